@@ -1,0 +1,23 @@
+//! Curves and surfaces in f64: evaluation, inversion, exact conversion and decomposition into Bézier form.
+//!
+//! Everything that approximates takes its tolerance as an argument. Lengths are millimetres, angles radians.
+//! Parameterisations are those of ISO 10303-42, with angles in radians.
+
+mod bezier;
+mod bspline;
+mod curve;
+mod decompose;
+mod frame;
+mod invert;
+mod knots;
+mod surface;
+pub mod to_bspline;
+
+pub use bezier::{Bezier, BezierPatch, Homogeneous, Homogeneous2, Homogeneous3};
+pub use bspline::{BsplineCurve, BsplineSurface};
+pub use curve::{Curve, Curve2, CurveDerivatives};
+pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface};
+pub use frame::Frame;
+pub use invert::{Inversion, invert_curve, invert_surface};
+pub use knots::{KnotError, KnotVector};
+pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};

@@ -1,0 +1,5 @@
+//! Pixels and their files.
+
+mod film;
+
+pub use film::Film;

@@ -1,0 +1,5 @@
+//! The `trimray` command. Everything it does is in [`trimray::cli`].
+
+fn main() -> std::process::ExitCode {
+    trimray::cli::main()
+}

@@ -1,0 +1,12 @@
+//! From a scene to hits and pictures, on the CPU and on the GPU.
+
+pub mod camera;
+pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+mod options;
+mod ray;
+
+pub use camera::Camera;
+pub use options::{Background, RenderOptions};
+pub use ray::{Hit, Ray};

@@ -1,0 +1,389 @@
+//! The records. Fields are ordered so that WGSL needs no padding: a three-vector is always followed by a scalar.
+//! `tests/layout.rs` compares names, offsets and sizes with the WGSL mirror in `shaders/types.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Scene-wide numbers. 64 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+pub struct Header {
+    /// World space = model space − this, millimetres; a multiple of `grid_step`.
+    pub world_anchor: [f64; 3],
+    /// A power of two, about 2⁻¹⁶ of the scene's size, millimetres.
+    pub grid_step: f64,
+    /// Half the extents of the scene's box in world space (centred within one grid step of 0), rounded up.
+    pub half_size: [f32; 3],
+    /// The first node of the BVH over instances in `bvh_nodes` (always 0).
+    pub first_node: u32,
+    /// Its nodes; 0 in an empty scene.
+    pub node_count: u32,
+    /// The highest degree of any net along u or v; 0 without nets.
+    pub max_net_degree: u32,
+    /// The highest degree of any trim curve; 0 without.
+    pub max_trim_degree: u32,
+    /// A bit for each [`FaceKind`] that occurs: bit `1 << kind`.
+    pub feature_mask: u32,
+}
+
+/// One node of an 8-wide compressed BVH (Ylitie, Karras and Laine 2017), bit for bit `obvhs::cwbvh::CwBvhNode`. 80 bytes.
+///
+/// `primitive_base` and `child_base` count from the start of the tree's own range of `primitives` and `bvh_nodes`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct BvhNode {
+    /// Origin of the quantisation frame.
+    pub p: [f32; 3],
+    /// Exponents of the frame along x, y, z (biased as in f32).
+    pub e: [u8; 3],
+    /// Which of the eight children are inner nodes.
+    pub imask: u8,
+    /// Index of the first inner child.
+    pub child_base: u32,
+    /// Index of the first primitive of the node's leaves.
+    pub primitive_base: u32,
+    /// Per child: 0 empty; inner `0b001_11xxx`-like; leaf: unary count in the high 3 bits, offset in the low 5.
+    pub child_meta: [u8; 8],
+    /// Quantised lower and upper planes of the eight children.
+    pub child_min_x: [u8; 8],
+    /// See `child_min_x`.
+    pub child_max_x: [u8; 8],
+    /// See `child_min_x`.
+    pub child_min_y: [u8; 8],
+    /// See `child_min_x`.
+    pub child_max_y: [u8; 8],
+    /// See `child_min_x`.
+    pub child_min_z: [u8; 8],
+    /// See `child_min_x`.
+    pub child_max_z: [u8; 8],
+}
+
+/// A placement of a part. 96 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Instance {
+    /// Row 0 of the linear map part ← world.
+    pub part_from_world_0: [f32; 3],
+    /// The part.
+    pub part: u32,
+    /// Row 1.
+    pub part_from_world_1: [f32; 3],
+    /// Material of the occurrence, overriding those of the faces; [`NO_MATERIAL`] where none.
+    pub material: u32,
+    /// Row 2.
+    pub part_from_world_2: [f32; 3],
+    /// 1 where the linear map is exactly the identity: positions then pass without any rounding.
+    pub is_translation: u32,
+    /// World position of the part's origin, in grid steps …
+    pub grid: [i32; 3],
+    /// Unused, 0.
+    pub reserved_0: u32,
+    /// … plus this, millimetres.
+    pub fraction: [f32; 3],
+    /// Radius around the part's origin that holds the whole part, part space.
+    pub radius: f32,
+    /// Unused, 0.
+    pub reserved_1: [u32; 4],
+}
+
+/// A part: a range of the BVH nodes and primitives. 16 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Part {
+    /// In `bvh_nodes`.
+    pub first_node: u32,
+    /// Nodes.
+    pub node_count: u32,
+    /// In `primitives`.
+    pub first_primitive: u32,
+    /// Primitives.
+    pub primitive_count: u32,
+}
+
+/// What carries a face.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaceKind {
+    /// `u x + v y`.
+    Plane = 0,
+    /// Radius `radius_0`.
+    Cylinder = 1,
+    /// Radius `radius_0` at v = 0, slope `tan α` in `radius_1`.
+    Cone = 2,
+    /// Radius `radius_0`.
+    Sphere = 3,
+    /// Major `radius_0`, minor `radius_1`.
+    Torus = 4,
+    /// Bézier nets.
+    Nets = 5,
+}
+
+/// A face: its carrier, its trim window, its trim tree. 112 bytes.
+///
+/// For analytic kinds the carrier's frame has its origin at `grid · grid_step + offset` in part space and the given axes, and
+/// parameters are those of the geometry module. For nets `offset` is 0 and the axes are those of part space.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Face {
+    /// Origin of face space in part space, grid steps.
+    pub grid: [i32; 3],
+    /// A [`FaceKind`].
+    pub kind: u32,
+    /// Unit vector.
+    pub x_axis: [f32; 3],
+    /// See [`FaceKind`].
+    pub radius_0: f32,
+    /// Unit vector.
+    pub y_axis: [f32; 3],
+    /// See [`FaceKind`].
+    pub radius_1: f32,
+    /// Unit vector.
+    pub z_axis: [f32; 3],
+    /// Bit 0: the outward normal is `−(S_u × S_v)`.
+    pub flags: u32,
+    /// Frame origin in face space, each component within a grid step.
+    pub offset: [f32; 3],
+    /// Index into `materials`.
+    pub material: u32,
+    /// Least u and v of the trim window, surface parameters.
+    pub uv_low: [f32; 2],
+    /// 1 / window size: normalised = (parameter − low) · scale.
+    pub uv_scale: [f32; 2],
+    /// Periods in normalised units, at least 1 (up to rounding); 0 where not periodic.
+    pub period: [f32; 2],
+    /// [`TRIM_INSIDE`], or index of the root in `trim_nodes`.
+    pub trim_root: u32,
+    /// Index of the part.
+    pub part: u32,
+}
+
+impl Face {
+    /// Bit of `flags`: the outward normal is `−(S_u × S_v)`.
+    pub const REVERSED: u32 = 1;
+}
+
+/// A rational Bézier patch. 32 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Net {
+    /// In `net_points`; `(degree_u + 1) · (degree_v + 1)` points, v fastest.
+    pub first_point: u32,
+    /// `degree_u | degree_v << 8 | rational << 16`; not rational: all weights are 1.
+    pub degrees: u32,
+    /// The face.
+    pub face: u32,
+    /// Unused, 0.
+    pub reserved: u32,
+    /// Normalised face parameters of local (0, 0), before wrapping.
+    pub uv_low: [f32; 2],
+    /// Normalised face parameters per local unit.
+    pub uv_size: [f32; 2],
+}
+
+/// A sub-domain of a net and its skew-slab bound, in face space. 64 bytes.
+///
+/// With `n = tangent_u × tangent_v / |·|`, every point of the surface over the sub-domain is
+/// `center + α tangent_u + β tangent_v + γ n` with `|α| <= ½ + extent_u`, `|β| <= ½ + extent_v`, `|γ| <= extent_n`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct NetLeaf {
+    /// Centre of the slab.
+    pub center: [f32; 3],
+    /// Half thickness along n, millimetres.
+    pub extent_n: f32,
+    /// Mean S_u times the sub-domain's length along u.
+    pub tangent_u: [f32; 3],
+    /// Excess over ½.
+    pub extent_u: f32,
+    /// Mean S_v times the sub-domain's length along v.
+    pub tangent_v: [f32; 3],
+    /// Excess over ½.
+    pub extent_v: f32,
+    /// Derivative-deviation bounds E_α, E_β, E_γ and the second-derivative bound M, a byte each, unit 1/64, rounded up; 255: no bound. E_γ is in units
+    /// of `min(|tangent_u|, |tangent_v|)`.
+    pub certificate: u32,
+    /// u index 12 bit, u level 4 bit, v index 12 bit, v level 4 bit from low to high: the sub-domain is
+    /// `[index, index + 1] / 2^level` in local parameters.
+    pub domain: u32,
+    /// The net.
+    pub net: u32,
+    /// [`TRIM_INSIDE`] where no trim test is needed, else a root in `trim_nodes` (that of the face).
+    pub trim: u32,
+}
+
+/// A piece of a trim curve inside one kd-tree cell; monotone in u and in v. 32 bytes.
+///
+/// A point p of the cell has the parity of the cell's lower left corner, flipped once for each segment with
+/// `crosses(p) != left_edge(p)`: `crosses`: `low.v <= p.v < high.v` and the curve passes left of p at p.v;
+/// `left_edge`: a flag is set for an end on the cell's left edge and `p.v >=` that end's v (ends on the left edge continue, outside the
+/// cell, where this test does not see them).
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct TrimSegment {
+    /// The end with the lesser v, normalised (u, v).
+    pub low: [f32; 2],
+    /// The end with the greater v.
+    pub high: [f32; 2],
+    /// Curve parameters at `low` and `high`.
+    pub t_low: f32,
+    /// See `t_low`.
+    pub t_high: f32,
+    /// First control point in `trim_points`.
+    pub curve: u32,
+    /// `degree | low_on_left_edge << 8 | high_on_left_edge << 9`; degree 1 is the straight line from low to high.
+    pub flags: u32,
+}
+
+impl TrimSegment {
+    /// Bit of `flags`: `low` lies on the cell's left edge.
+    pub const LOW_ON_LEFT_EDGE: u32 = 1 << 8;
+    /// Bit of `flags`: `high` lies on the cell's left edge.
+    pub const HIGH_ON_LEFT_EDGE: u32 = 1 << 9;
+    /// Mask of the degree in `flags`.
+    pub const DEGREE_MASK: u32 = 0xff;
+}
+
+/// What a face looks like. 16 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Linear-light red, green, blue, in 0..=1.
+    pub rgb: [f32; 3],
+    /// 1 is opaque.
+    pub opacity: f32,
+}
+
+/// A face in f64, same meaning as in [`Face`]. 160 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FaceF64 {
+    /// Frame origin in part space, millimetres, grid included (nets: `grid · grid_step`).
+    pub origin: [f64; 3],
+    /// Unit vector.
+    pub x_axis: [f64; 3],
+    /// Unit vector.
+    pub y_axis: [f64; 3],
+    /// Unit vector.
+    pub z_axis: [f64; 3],
+    /// See [`FaceKind`].
+    pub radii: [f64; 2],
+    /// Least u and v of the trim window.
+    pub uv_low: [f64; 2],
+    /// 1 / window size.
+    pub uv_scale: [f64; 2],
+    /// Periods in normalised units; 0 where not periodic.
+    pub period: [f64; 2],
+}
+
+/// An instance in f64. 96 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct InstanceF64 {
+    /// Rows of the linear map part ← world.
+    pub part_from_world: [[f64; 3]; 3],
+    /// World position of the part's origin, millimetres.
+    pub origin: [f64; 3],
+}
+
+/// The material index that means "as the face says".
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// The trim root that means "inside everywhere".
+pub const TRIM_INSIDE: u32 = u32::MAX;
+
+/// Words of `primitives` below the top BVH.
+pub mod primitive {
+    /// What a word stands for.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Primitive {
+        /// A whole analytic face, by index.
+        Face(u32),
+        /// A net leaf, by index.
+        NetLeaf(u32),
+    }
+
+    /// The bit that marks a net leaf.
+    pub const NET_LEAF_BIT: u32 = 1 << 31;
+
+    /// The word of a primitive; indices have 31 bits.
+    pub const fn pack(primitive: Primitive) -> u32 {
+        match primitive {
+            Primitive::Face(index) => index,
+            Primitive::NetLeaf(index) => index | NET_LEAF_BIT,
+        }
+    }
+
+    /// The primitive of a word.
+    pub const fn unpack(word: u32) -> Primitive {
+        if word & NET_LEAF_BIT == 0 {
+            Primitive::Face(word)
+        } else {
+            Primitive::NetLeaf(word & !NET_LEAF_BIT)
+        }
+    }
+}
+
+/// Words of `trim_nodes`.
+///
+/// ```text
+/// inner  [31] = 0  [30] axis  [29:16] plane, u14, relative to the parent cell  [15:0] distance to the right child
+///        (the left child is the next word; distance 0xffff: the next word holds the distance, the left child follows it)
+/// leaf   [31] = 1  [30] inside, for a point at the cell's lower left corner  [29:24] number of segments  [23:0] first segment,
+///        relative to the first segment of the tree; number 63: the next word holds the number
+/// ```
+/// The root of a tree is preceded by one word: the index of the tree's first segment. The root cell is [0, 1]².
+pub mod trim_node {
+    /// The bit that marks a leaf.
+    pub const LEAF_BIT: u32 = 1 << 31;
+    /// Steps of a split plane across its cell.
+    pub const PLANE_STEPS: u32 = 1 << 14;
+    /// A distance that does not fit.
+    pub const FAR: u32 = 0xffff;
+    /// A number of segments that does not fit.
+    pub const MANY: u32 = 63;
+
+    /// An unpacked word.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum TrimNode {
+        /// A split.
+        Inner {
+            /// 0: u, 1: v.
+            axis: u32,
+            /// In steps of 1 / [`PLANE_STEPS`] of the cell.
+            plane: u32,
+            /// Words from this one to the right child, or [`FAR`].
+            right: u32,
+        },
+        /// A cell.
+        Leaf {
+            /// State of the lower left corner.
+            inside: bool,
+            /// Segments, or [`MANY`].
+            count: u32,
+            /// First segment, relative.
+            first: u32,
+        },
+    }
+
+    /// The word of a node; fields beyond their bits are the caller's mistake.
+    pub const fn pack(node: TrimNode) -> u32 {
+        match node {
+            TrimNode::Inner { axis, plane, right } => {
+                assert!(axis < 2 && plane < PLANE_STEPS && right <= FAR);
+                axis << 30 | plane << 16 | right
+            }
+            TrimNode::Leaf { inside, count, first } => {
+                assert!(count <= MANY && first < 1 << 24);
+                LEAF_BIT | (inside as u32) << 30 | count << 24 | first
+            }
+        }
+    }
+
+    /// The node of a word.
+    pub const fn unpack(word: u32) -> TrimNode {
+        if word & LEAF_BIT == 0 {
+            TrimNode::Inner { axis: word >> 30 & 1, plane: word >> 16 & 0x3fff, right: word & FAR }
+        } else {
+            TrimNode::Leaf { inside: word >> 30 & 1 == 1, count: word >> 24 & 63, first: word & 0xff_ffff }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The baked layout: flat Pod arrays that are at once the cache file, the memory map and the GPU's buffers.
+//!
+//! This is the second waist of the chain. Nothing here knows a knot vector, an edge or a file format. A [`Scene`] borrows its
+//! arrays, from a [`SceneBuffers`] just baked or from a mapped file; both are checked by [`validate`] before use.
+//!
+//! # Spaces
+//!
+//! Lengths are millimetres. *World* space is the model's, moved by [`Header::world_anchor`]; *part* space is a part's own, moved so
+//! that its box is centred at 0; *face* space is part space moved by [`Face::grid`] grid steps. A position in world and in part
+//! space is a pair (grid i32×3, fraction f32×3) meaning `grid · grid_step + fraction`: differences of grids are exact, so a ray
+//! reaches the face's own space without loss, wherever the face stands.
+//! (u, v) of a face are *normalised*: 0 to 1 over the face's trim window. (u, v) of a net are *local*: 0 to 1 over the net.
+
+mod layout;
+mod metadata;
+mod validate;
+
+pub use layout::{
+    BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, Material, NO_MATERIAL, Net, NetLeaf,
+    Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+};
+pub use metadata::{FaceInfo, InstanceInfo, Metadata, PartInfo};
+pub use validate::{InvalidScene, validate};
+
+/// Owned arrays of a scene, as the bake makes them.
+#[derive(Debug, Clone, Default)]
+pub struct SceneBuffers {
+    /// Names, colours' origins, diagnostics: for people.
+    pub metadata: Metadata,
+    /// Scene-wide numbers.
+    pub header: Header,
+    /// The BVH over instances first, then one BVH for each part.
+    pub bvh_nodes: Vec<BvhNode>,
+    /// What the leaves of the BVHs hold: instance indices in the top BVH, then [`primitive`] words.
+    pub primitives: Vec<u32>,
+    /// Placements.
+    pub instances: Vec<Instance>,
+    /// Parts with faces.
+    pub parts: Vec<Part>,
+    /// Faces, grouped by part.
+    pub faces: Vec<Face>,
+    /// Bézier nets, grouped by face.
+    pub nets: Vec<Net>,
+    /// Sub-domains of nets.
+    pub net_leaves: Vec<NetLeaf>,
+    /// Control points of nets, homogeneous, in face space.
+    pub net_points: Vec<[f32; 4]>,
+    /// Trim kd-trees, [`trim_node`] words.
+    pub trim_nodes: Vec<u32>,
+    /// Pieces of trim curves inside kd-tree cells.
+    pub trim_segments: Vec<TrimSegment>,
+    /// Control points of trim curves: `(w·u, w·v, w)`, normalised parameters.
+    pub trim_points: Vec<[f32; 3]>,
+    /// Looks.
+    pub materials: Vec<Material>,
+    /// Faces in f64; empty unless asked for, else one per face.
+    pub faces_f64: Vec<FaceF64>,
+    /// Instances in f64; empty unless asked for, else one per instance.
+    pub instances_f64: Vec<InstanceF64>,
+    /// Control points of nets in f64; empty unless asked for, else one per net point.
+    pub net_points_f64: Vec<[f64; 4]>,
+}
+
+/// A scene to trace: borrowed arrays, the same as in [`SceneBuffers`].
+#[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Scene<'a> {
+    pub metadata: &'a Metadata,
+    pub header: &'a Header,
+    pub bvh_nodes: &'a [BvhNode],
+    pub primitives: &'a [u32],
+    pub instances: &'a [Instance],
+    pub parts: &'a [Part],
+    pub faces: &'a [Face],
+    pub nets: &'a [Net],
+    pub net_leaves: &'a [NetLeaf],
+    pub net_points: &'a [[f32; 4]],
+    pub trim_nodes: &'a [u32],
+    pub trim_segments: &'a [TrimSegment],
+    pub trim_points: &'a [[f32; 3]],
+    pub materials: &'a [Material],
+    pub faces_f64: &'a [FaceF64],
+    pub instances_f64: &'a [InstanceF64],
+    pub net_points_f64: &'a [[f64; 4]],
+}
+
+impl SceneBuffers {
+    /// Borrows all arrays.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene {
+            metadata: &self.metadata,
+            header: &self.header,
+            bvh_nodes: &self.bvh_nodes,
+            primitives: &self.primitives,
+            instances: &self.instances,
+            parts: &self.parts,
+            faces: &self.faces,
+            nets: &self.nets,
+            net_leaves: &self.net_leaves,
+            net_points: &self.net_points,
+            trim_nodes: &self.trim_nodes,
+            trim_segments: &self.trim_segments,
+            trim_points: &self.trim_points,
+            materials: &self.materials,
+            faces_f64: &self.faces_f64,
+            instances_f64: &self.instances_f64,
+            net_points_f64: &self.net_points_f64,
+        }
+    }
+}
+
+impl Scene<'_> {
+    /// Whether the f64 arrays are there.
+    pub fn has_f64(&self) -> bool {
+        self.faces_f64.len() == self.faces.len()
+            && self.instances_f64.len() == self.instances.len()
+            && self.net_points_f64.len() == self.net_points.len()
+    }
+}
