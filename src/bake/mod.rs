@@ -1,5 +1,15 @@
 //! From the model to the scene: nets, leaves, BVHs, trim trees; f64 until `narrow`.
 
+mod bvh;
+mod materials;
+mod metadata;
+mod narrow;
+mod region;
+mod trim_query;
+#[cfg(test)]
+mod trim_tests;
+mod trim_tree;
+
 use crate::brep::Model;
 use crate::scene::SceneBuffers;
 use crate::trimming::TrimOptions;

@@ -92,7 +92,9 @@ impl Region {
                 return Err(format!("a trim curve has degree {degree}"));
             }
             if !curve.points.iter().all(|p| p.is_finite() && p.z > 0.0) {
-                return Err("a trim curve has a point that is not finite or a weight that is not positive".into());
+                return Err(
+                    "a trim curve has a point that is not finite or a weight that is not positive".into()
+                );
             }
             ends.push([vertex(curve.points[0]), vertex(curve.points[degree])]);
         }
@@ -207,9 +209,8 @@ fn is_straight(curve: &Bezier<Homogeneous2>) -> bool {
 
 /// Makes consecutive ends equal where they are nearly so; returns the straight links that close what stays open.
 fn close_chains(ends: &mut [[[f32; 2]; 2]]) -> Vec<[[f32; 2]; 2]> {
-    let near = |a: [f32; 2], b: [f32; 2]| {
-        (a[0] - b[0]).abs() <= SAME_VERTEX && (a[1] - b[1]).abs() <= SAME_VERTEX
-    };
+    let near =
+        |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() <= SAME_VERTEX && (a[1] - b[1]).abs() <= SAME_VERTEX;
     let mut links = Vec::new();
     let mut chain_start = 0;
     for index in 0..ends.len() {

@@ -6,9 +6,9 @@
 //! the upper child at v = s, only pieces that end on the left edge at or below s, and pieces that start exactly at the new corner. All
 //! of these are comparisons of shared f32 vertices, so states are as exact as the chains are closed.
 //!
-//! Two kinds of piece need no storage: verticals on a cell's left or right edge (inside the left edge one is left of every point and of the walk; on the
-//! right edge it is right of every point) and horizontals that do not touch the left edge (nothing can cross them sideways). A horizontal that
-//! starts on the left edge is kept for its flag, or, on the bottom edge, folded into the state.
+//! Some pieces need no storage: those along a cell's edges (on the left edge one is left of every point and of the walk, on the right edge right of
+//! every point; the walk starts above the bottom edge and ends below the top edge) and, in leaves, horizontals that do not start on the left edge,
+//! for nothing can cross them sideways. A horizontal that starts on the left edge is kept for its flag.
 //!
 //! Planes are chosen by the surface-area heuristic (Sloup and Havran 2021, eq. 2) over piece boxes, then by their median-split rule.
 
@@ -36,7 +36,7 @@ const EVEN_CANDIDATES: u32 = 64;
 const FEW_PIECES: usize = 32;
 
 /// Segments that a tree may have for each piece of its region, and on top: splits that only copy pieces stop there.
-const SEGMENTS_PER_PIECE: usize = 24;
+const SEGMENTS_PER_PIECE: usize = 12;
 const FREE_SEGMENTS: usize = 1024;
 
 /// The tree of one face; indices count from its own arrays.
@@ -73,7 +73,6 @@ struct Builder<'a> {
     region: &'a Region,
     tree: TrimTree,
     first_point: Vec<u32>,
-    most_segments: usize,
 }
 
 /// Builds the tree of `region`.
@@ -82,23 +81,19 @@ pub(super) fn build(region: &Region) -> Result<TrimTree, String> {
         let word = trim_node::pack(TrimNode::Leaf { inside: true, count: 0, first: 0 });
         return Ok(TrimTree { nodes: vec![word], ..TrimTree::default() });
     }
-    let most_segments = region.pieces.len() * SEGMENTS_PER_PIECE + FREE_SEGMENTS;
-    if most_segments >= 1 << 24 {
+    let budget = region.pieces.len() * SEGMENTS_PER_PIECE + FREE_SEGMENTS;
+    if budget >= 1 << 24 {
         return Err(format!("{} trim curves are too many", region.pieces.len()));
     }
-    let mut builder = Builder {
-        region,
-        tree: TrimTree::default(),
-        first_point: vec![u32::MAX; region.curves.len()],
-        most_segments,
-    };
+    let mut builder =
+        Builder { region, tree: TrimTree::default(), first_point: vec![u32::MAX; region.curves.len()] };
     builder.store_curves();
     let root = Cell { low: [0.0; 2], size: [1.0; 2], high: [1.0; 2] };
     let mut inside = false;
     for piece in &region.pieces {
         inside ^= piece.low == [0.0; 2] && piece.high[1] > 0.0;
     }
-    builder.emit(root, region.pieces.clone(), inside, 0);
+    builder.emit(root, region.pieces.clone(), inside, MAX_DEPTH, budget);
     Ok(builder.tree)
 }
 
@@ -113,11 +108,13 @@ impl Builder<'_> {
         }
     }
 
-    fn emit(&mut self, cell: Cell, mut pieces: Vec<Piece>, mut inside: bool, depth: usize) {
-        tidy(&cell, &mut pieces, &mut inside);
-        let full = self.tree.segments.len() + pieces.len() * 2 > self.most_segments;
-        let split = if depth < MAX_DEPTH && !full { choose_split(&cell, &pieces) } else { None };
+    /// Emits a cell of at most `levels` levels; splits only while all pieces, copied, would stay within `budget` segments.
+    fn emit(&mut self, cell: Cell, mut pieces: Vec<Piece>, inside: bool, levels: usize, budget: usize) {
+        tidy(&cell, &mut pieces);
+        let may_split = levels > 0 && pieces.len() * 2 <= budget;
+        let split = if may_split { choose_split(&cell, &pieces) } else { None };
         let Some((axis, plane, position)) = split else {
+            pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
         let far_inside = state_beyond(&cell, &pieces, inside, axis, position, self.region);
@@ -129,6 +126,8 @@ impl Builder<'_> {
             far.extend(above);
         }
         drop(pieces);
+        let near_budget =
+            (budget as f64 * near.len() as f64 / (near.len() + far.len()).max(1) as f64) as usize;
         let mut near_cell = cell;
         near_cell.high[axis] = position;
         near_cell.size[axis] = position - cell.low[axis];
@@ -138,14 +137,14 @@ impl Builder<'_> {
 
         let word = self.tree.nodes.len();
         self.tree.nodes.push(0);
-        self.emit(near_cell, near, inside, depth + 1);
+        self.emit(near_cell, near, inside, levels - 1, near_budget);
         let mut right = (self.tree.nodes.len() - word) as u32;
         if right >= trim_node::FAR {
             self.tree.nodes.insert(word + 1, right + 1);
             right = trim_node::FAR;
         }
         self.tree.nodes[word] = trim_node::pack(TrimNode::Inner { axis: axis as u32, plane, right });
-        self.emit(far_cell, far, far_inside, depth + 1);
+        self.emit(far_cell, far, far_inside, levels - 1, budget - near_budget);
     }
 
     fn emit_leaf(&mut self, cell: &Cell, pieces: &[Piece], inside: bool) {
@@ -180,21 +179,11 @@ impl Builder<'_> {
     }
 }
 
-/// Removes the pieces that the cell need not hold, folding what they contribute into its state.
-fn tidy(cell: &Cell, pieces: &mut Vec<Piece>, inside: &mut bool) {
-    pieces.retain(|piece| {
-        if piece.lies_at(0, cell.low[0]) || piece.lies_at(0, cell.high[0]) {
-            return false;
-        }
-        if piece.low[1] != piece.high[1] {
-            return true;
-        }
-        let starts_left = piece.range(0)[0] == cell.low[0];
-        if starts_left && piece.low[1] == cell.low[1] {
-            *inside = !*inside;
-        }
-        starts_left && piece.low[1] > cell.low[1] && piece.low[1] < cell.high[1]
-    });
+/// Removes the pieces that neither the cell nor a part of it needs: those along its edges.
+fn tidy(cell: &Cell, pieces: &mut Vec<Piece>) {
+    let on_edge =
+        |piece: &Piece, axis| piece.lies_at(axis, cell.low[axis]) || piece.lies_at(axis, cell.high[axis]);
+    pieces.retain(|piece| !on_edge(piece, 0) && !on_edge(piece, 1));
 }
 
 /// The state of the lower left corner of the upper or right child.
