@@ -12,6 +12,8 @@
 //! (u, v) of a face are *normalised*: 0 to 1 over the face's trim window. (u, v) of a net are *local*: 0 to 1 over the net.
 
 mod layout;
+#[cfg(test)]
+mod layout_tests;
 mod metadata;
 mod validate;
 
