@@ -1,8 +1,98 @@
 //! Arguments to calls, results to text.
+//!
+//! stdout carries only what was asked for; progress, warnings and notices go to stderr. Exit codes: 0 done, 1 cannot read or write,
+//! 2 usage, 3 partial import under `--strict`, 4 nothing to render.
 
+mod args;
+mod bake;
+mod device;
+mod info;
+mod load;
+mod output;
+mod probe;
+mod progress;
+mod render;
+mod report;
+mod tree;
+mod view;
+
+use args::{Arguments, Command};
+use clap::Parser;
+use std::io::Write;
 use std::process::ExitCode;
+
+/// Ends that have an exit code of their own; every other error is 1.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// Arguments that make no sense together.
+    #[error("{0}")]
+    Usage(String),
+    /// `--strict`, and something was dropped.
+    #[error(
+        "{path}: {dropped} of {declared} faces were dropped, and --strict was given; nothing was written"
+    )]
+    Partial { path: String, dropped: u64, declared: u64 },
+    /// No face to show.
+    #[error("{path}: nothing to {verb}: {reason}")]
+    Nothing { path: String, verb: &'static str, reason: String },
+}
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            Self::Partial { .. } => 3,
+            Self::Nothing { .. } => 4,
+        }
+    }
+}
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    todo!()
+    let arguments = Arguments::parse();
+    start_log(&arguments.general);
+    let result = start_threads(&arguments.general).and_then(|()| match &arguments.command {
+        Command::Render(command) => render::run(command, &arguments.general),
+        Command::Bake(command) => bake::run(command, &arguments.general),
+        Command::Info(command) => info::run(command, &arguments.general),
+        Command::Probe(command) => probe::run(command, &arguments.general),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe has seen enough: no error of ours.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "trimray: {error:#}");
+            ExitCode::from(error.downcast_ref::<Failure>().map_or(1, Failure::exit_code))
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+fn start_log(general: &args::General) {
+    let level = match (general.quiet, general.verbose) {
+        (true, _) => log::LevelFilter::Off,
+        (false, 0) => log::LevelFilter::Error,
+        (false, 1) => log::LevelFilter::Info,
+        (false, _) => log::LevelFilter::Debug,
+    };
+    env_logger::Builder::new()
+        .filter_level(level.min(log::LevelFilter::Error))
+        .filter_module("trimray", level)
+        .parse_default_env()
+        .format_timestamp(None)
+        .init();
+}
+
+fn start_threads(general: &args::General) -> anyhow::Result<()> {
+    if let Some(threads) = general.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global()?;
+    }
+    Ok(())
 }

@@ -22,7 +22,7 @@ impl Frame {
     /// ISO 10303-42 `axis2_placement_3d`: `z` along `axis`, `x` along `reference` made orthogonal to it.
     ///
     /// Missing directions take their defaults (axis +Z; reference: the standard's `first_proj_axis`, +X or, where the
-    /// axis is along X, +Y... any direction not along the axis). A zero, non-finite or parallel direction counts as
+    /// axis is along X, +Y). A zero, non-finite or parallel direction counts as
     /// missing.
     pub fn from_axes(origin: DVec3, axis: Option<DVec3>, reference: Option<DVec3>) -> Self {
         let z = axis.and_then(DVec3::try_normalize).unwrap_or(DVec3::Z);
@@ -54,6 +54,15 @@ impl Frame {
     /// Local coordinates of `vector`.
     pub fn local_vector(&self, vector: DVec3) -> DVec3 {
         DVec3::new(vector.dot(self.x), vector.dot(self.y), vector.dot(self.z))
+    }
+
+    /// The frame moved by a similarity: origin, x and y go along; z goes along, or opposite to it under a mirror, so that
+    /// the frame stays right-handed.
+    pub fn transformed(&self, transform: &DAffine3) -> Self {
+        let x = transform.transform_vector3(self.x).try_normalize().unwrap_or(self.x);
+        let y = transform.transform_vector3(self.y);
+        let y = (y - x * y.dot(x)).try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
+        Self { origin: transform.transform_point3(self.origin), x, y, z: x.cross(y) }
     }
 
     /// The matrix that takes local to outer coordinates.

@@ -3,8 +3,9 @@
 /// A degree and its non-decreasing, clamped knots.
 ///
 /// Invariants: `1 <= degree <= MAX_DEGREE`; knots are finite and non-decreasing; the first and the last `degree + 1`
-/// knots are equal; inner knots have multiplicity `<= degree`; the domain is not empty. Unclamped and periodic knots of files are made clamped
-/// by knot insertion (`BsplineCurve::new`, `BsplineSurface::new`).
+/// knots are equal; inner knots have multiplicity `<= degree`; the domain is not empty. Unclamped and periodic knots
+/// of files are made clamped by knot insertion
+/// (`BsplineCurve::new`, `BsplineSurface::new`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnotVector {
     degree: usize,
@@ -33,20 +34,152 @@ pub enum KnotError {
     /// All knots are equal.
     #[error("the knots span no interval")]
     Empty,
+    /// The pieces before and after a knot of multiplicity `degree + 1` or more do not meet.
+    #[error("the pieces at knot {0} do not meet")]
+    Discontinuous(usize),
     /// A control point or weight is not finite, or a weight is not positive.
     #[error("control point {0} is not finite or its weight is not positive")]
     Point(usize),
 }
 
+/// The basis functions that do not vanish at one parameter, with their derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Basis {
+    /// The index of the first of the `degree + 1` functions.
+    pub first: usize,
+    /// `values[k][r]`: the k-th derivative of function `first + r`.
+    pub values: [[f64; KnotVector::MAX_DEGREE + 1]; 3],
+}
+
 impl KnotVector {
     /// The highest degree; files and kernels go to 25.
     pub const MAX_DEGREE: usize = 25;
+
+    /// Knots that are clamped already, for `points` control points.
+    pub fn new(degree: usize, knots: Vec<f64>, points: usize) -> Result<Self, KnotError> {
+        Self::check(degree, &knots, points)?;
+        let last = knots.len() - 1;
+        let clamped = knots[degree] == knots[0] && knots[last - degree] == knots[last];
+        let inner = &knots[degree + 1..last - degree];
+        if !clamped {
+            return Err(KnotError::Order(0));
+        }
+        match inner.windows(degree + 1).position(|w| w[0] == w[degree]) {
+            Some(i) => Err(KnotError::Discontinuous(degree + 1 + i)),
+            None if inner.first() == Some(&knots[0]) => Err(KnotError::Discontinuous(degree + 1)),
+            None if inner.last() == Some(&knots[last]) => Err(KnotError::Discontinuous(last - degree - 1)),
+            None => Ok(Self { degree, knots }),
+        }
+    }
+
+    /// Whether `knots` make a B-spline with `points` control points, clamped or not.
+    pub(super) fn check(degree: usize, knots: &[f64], points: usize) -> Result<(), KnotError> {
+        if !(1..=Self::MAX_DEGREE).contains(&degree) {
+            return Err(KnotError::Degree(degree));
+        }
+        if points <= degree || knots.len() != points + degree + 1 {
+            return Err(KnotError::Count { knots: knots.len(), degree, points });
+        }
+        let disorder = |i: &usize| !knots[*i].is_finite() || (*i > 0 && knots[*i] < knots[*i - 1]);
+        if let Some(i) = (0..knots.len()).find(disorder) {
+            return Err(KnotError::Order(i));
+        }
+        let length = knots[points] - knots[degree];
+        // A sum of two differences occurs in the basis recurrence: it has to be finite as well.
+        if !(length > 0.0 && (2.0 * (knots[knots.len() - 1] - knots[0])).is_finite()) {
+            return Err(KnotError::Empty);
+        }
+        Ok(())
+    }
+
     /// The degree.
     pub fn degree(&self) -> usize {
         self.degree
     }
+
     /// All knots with their multiplicities.
     pub fn as_slice(&self) -> &[f64] {
         &self.knots
     }
+
+    /// How many control points there are.
+    pub fn point_count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// First and last parameter.
+    pub fn domain(&self) -> [f64; 2] {
+        [self.knots[0], self.knots[self.knots.len() - 1]]
+    }
+
+    /// The span `k` with `knots[k] <= t < knots[k + 1]`; the first and the last one for parameters outside (A2.1).
+    pub fn find_span(&self, t: f64) -> usize {
+        self.knots
+            .partition_point(|knot| *knot <= t)
+            .saturating_sub(1)
+            .clamp(self.degree, self.point_count() - 1)
+    }
+
+    /// The non-empty spans, as indices of their lower knots.
+    pub fn spans(&self) -> impl Iterator<Item = usize> + '_ {
+        (self.degree..self.point_count()).filter(|k| self.knots[*k] < self.knots[k + 1])
+    }
+
+    /// The knots strictly inside the domain with their multiplicities.
+    pub fn inner_knots(&self) -> impl Iterator<Item = (f64, usize)> + '_ {
+        let inner = &self.knots[self.degree + 1..self.point_count()];
+        inner.chunk_by(|a, b| a == b).map(|group| (group[0], group.len()))
+    }
+
+    /// The basis functions at `t` (inside the domain) and their derivatives up to `order <= 2`.
+    ///
+    /// The Cox-de Boor triangle (A2.2) passes through the functions of degrees p − 2 and p − 1 on its way, and the
+    /// derivatives are differences of those (equation 2.7): cheaper than the general A2.3.
+    #[inline]
+    pub(super) fn basis(&self, t: f64, order: usize) -> Basis {
+        const SIZE: usize = KnotVector::MAX_DEGREE + 1;
+        let (p, k, knots) = (self.degree, self.find_span(t), &self.knots[..]);
+        let mut row = [0.0; SIZE];
+        let mut lower = [[0.0; SIZE]; 2];
+        row[0] = 1.0;
+        for degree in 1..=p {
+            if p - degree < order.min(2) {
+                lower[p - degree][..degree].copy_from_slice(&row[..degree]);
+            }
+            let mut saved = 0.0;
+            for r in 0..degree {
+                let (right, left) = (knots[k + 1 + r], knots[k + 1 + r - degree]);
+                let share = row[r] / (right - left);
+                row[r] = saved + (right - t) * share;
+                saved = (t - left) * share;
+            }
+            row[degree] = saved;
+        }
+        let mut values = [row, [0.0; SIZE], [0.0; SIZE]];
+        if order >= 1 {
+            values[1] = raise(knots, k, p, &lower[0]);
+        }
+        if order >= 2 && p >= 2 {
+            values[2] = raise(knots, k, p, &raise(knots, k, p - 1, &lower[1]));
+        }
+        Basis { first: k - p, values }
+    }
+}
+
+/// Equation 2.7: coefficients over the functions of degree `p − 1` at span `k` to the derivatives of those of degree `p`.
+fn raise(
+    knots: &[f64],
+    k: usize,
+    p: usize,
+    lower: &[f64; KnotVector::MAX_DEGREE + 1],
+) -> [f64; KnotVector::MAX_DEGREE + 1] {
+    let mut raised = [0.0; KnotVector::MAX_DEGREE + 1];
+    let mut before = 0.0;
+    for r in 0..p {
+        let after = p as f64 * lower[r] / (knots[k + 1 + r] - knots[k + 1 + r - p]);
+        raised[r] = before - after;
+        before = after;
+    }
+    raised[p] = before;
+    raised
 }

@@ -3,7 +3,10 @@
 //! Everything that approximates takes its tolerance as an argument. Lengths are millimetres, angles radians.
 //! Parameterisations are those of ISO 10303-42, with angles in radians.
 
+mod analytic;
 mod bezier;
+mod blossom;
+mod bounds;
 mod bspline;
 mod curve;
 mod decompose;
@@ -21,3 +24,6 @@ pub use frame::Frame;
 pub use invert::{Inversion, invert_curve, invert_surface};
 pub use knots::{KnotError, KnotVector};
 pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};
+
+#[cfg(test)]
+mod tests;

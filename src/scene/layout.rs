@@ -25,7 +25,7 @@ pub struct Header {
     pub feature_mask: u32,
 }
 
-/// One node of an 8-wide compressed BVH (Ylitie, Karras and Laine 2017), bit for bit `obvhs::cwbvh::CwBvhNode`. 80 bytes.
+/// One node of an 8-wide compressed BVH (Ylitie, Karras and Laine 2017), bit for bit `obvhs::cwbvh::node::CwBvhNode`. 80 bytes.
 ///
 /// `primitive_base` and `child_base` count from the start of the tree's own range of `primitives` and `bvh_nodes`.
 #[repr(C)]
@@ -33,7 +33,7 @@ pub struct Header {
 pub struct BvhNode {
     /// Origin of the quantisation frame.
     pub p: [f32; 3],
-    /// Exponents of the frame along x, y, z (biased as in f32).
+    /// Exponents of the frame along x, y, z, biased as in f32: a plane q lies at `p + q · f32::from_bits(e << 23)`.
     pub e: [u8; 3],
     /// Which of the eight children are inner nodes.
     pub imask: u8,
@@ -41,7 +41,9 @@ pub struct BvhNode {
     pub child_base: u32,
     /// Index of the first primitive of the node's leaves.
     pub primitive_base: u32,
-    /// Per child: 0 empty; inner `0b001_11xxx`-like; leaf: unary count in the high 3 bits, offset in the low 5.
+    /// Per child slot: 0 empty; an inner node in slot s: `0b001_00000 | (24 + s)`, and it is node
+    /// `child_base + (inner children in lower slots)`; a leaf: its number of primitives in unary in the high 3 bits (`001`: 1, `011`: 2,
+    /// `111`: 3; the bake makes 1 only), the first one's offset from `primitive_base` in the low 5 bits, below 24.
     pub child_meta: [u8; 8],
     /// Quantised lower and upper planes of the eight children.
     pub child_min_x: [u8; 8],
@@ -119,8 +121,11 @@ pub enum FaceKind {
 
 /// A face: its carrier, its trim window, its trim tree. 112 bytes.
 ///
-/// For analytic kinds the carrier's frame has its origin at `grid · grid_step + offset` in part space and the given axes, and
-/// parameters are those of the geometry module. For nets `offset` is 0 and the axes are those of part space.
+/// For analytic kinds the carrier's frame has its origin at `grid · grid_step + offset` in part space and the given axes. Parameters are
+/// those of the geometry module but for planes, cylinders and cones, whose frame is slid along the surface to the middle of the trim
+/// window (planes along u and v, the others along their axis), for precision: their `uv_low` and a cone's radius belong to the slid frame.
+/// The surface's own parameters of a normalised (u, v) are `FaceInfo::uv_low + (u, v) · FaceInfo::uv_size`, whatever the kind.
+/// For nets `offset` is 0 and the axes are those of part space; `uv_low` and `uv_scale` are not used by kernels, as [`Net::uv_low`] is normalised.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Face {
@@ -144,13 +149,14 @@ pub struct Face {
     pub offset: [f32; 3],
     /// Index into `materials`.
     pub material: u32,
-    /// Least u and v of the trim window, surface parameters.
+    /// Least u and v of the trim window, in the parameters of the (slid) frame.
     pub uv_low: [f32; 2],
     /// 1 / window size: normalised = (parameter − low) · scale.
     pub uv_scale: [f32; 2],
     /// Periods in normalised units, at least 1 (up to rounding); 0 where not periodic.
     pub period: [f32; 2],
-    /// [`TRIM_INSIDE`], or index of the root in `trim_nodes`.
+    /// [`TRIM_INSIDE`] where the whole window is inside, or index of the root in `trim_nodes`. Either way what lies outside the window,
+    /// after wrapping and up to rounding, is outside.
     pub trim_root: u32,
     /// Index of the part.
     pub part: u32,
@@ -198,8 +204,11 @@ pub struct NetLeaf {
     pub tangent_v: [f32; 3],
     /// Excess over ½.
     pub extent_v: f32,
-    /// Derivative-deviation bounds E_α, E_β, E_γ and the second-derivative bound M, a byte each, unit 1/64, rounded up; 255: no bound. E_γ is in units
-    /// of `min(|tangent_u|, |tangent_v|)`.
+    /// Bounds over the leaf, a byte each, from low to high E_α, E_β, E_γ, M, in units of 1/64 and rounded up; 255: no bound.
+    ///
+    /// With S over s, t in [0, 1] across the leaf, and α, β, γ the coordinates above (γ along the unit normal):
+    /// `E_α >= max|α_s − 1| + max|α_t|`, `E_β >= max|β_s| + max|β_t − 1|`, `E_γ >= (max|γ_s| + max|γ_t|) / m`,
+    /// `M >= (max|S_ss| + 2 max|S_st| + max|S_tt|) / m` with `m = min(|tangent_u|, |tangent_v|)`.
     pub certificate: u32,
     /// u index 12 bit, u level 4 bit, v index 12 bit, v level 4 bit from low to high: the sub-domain is
     /// `[index, index + 1] / 2^level` in local parameters.
@@ -212,10 +221,13 @@ pub struct NetLeaf {
 
 /// A piece of a trim curve inside one kd-tree cell; monotone in u and in v. 32 bytes.
 ///
-/// A point p of the cell has the parity of the cell's lower left corner, flipped once for each segment with
-/// `crosses(p) != left_edge(p)`: `crosses`: `low.v <= p.v < high.v` and the curve passes left of p at p.v;
-/// `left_edge`: a flag is set for an end on the cell's left edge and `p.v >=` that end's v (ends on the left edge continue, outside the
-/// cell, where this test does not see them).
+/// A point p of the cell has the state that the leaf word gives (that of the cell's lower left corner, approached from inside), flipped once
+/// for each segment with `crosses(p) != left_edge(p)`:
+/// * `crosses(p)`: `low.v <= p.v < high.v`, and the curve passes left of p at height p.v (`u(p.v) <= p.u`);
+/// * `left_edge(p)`: exclusive or over the flagged ends (on the cell's left edge) of `p.v >= v of that end`.
+///
+/// Why: walk from the corner up just inside the left edge, then right to p. The second leg meets the pieces that `crosses` counts; the first
+/// meets those that leave through the left edge below p. Horizontal pieces are stored only for their flag and never cross.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct TrimSegment {
@@ -266,7 +278,7 @@ pub struct FaceF64 {
     pub z_axis: [f64; 3],
     /// See [`FaceKind`].
     pub radii: [f64; 2],
-    /// Least u and v of the trim window.
+    /// Least u and v of the trim window, in the parameters of the (slid) frame.
     pub uv_low: [f64; 2],
     /// 1 / window size.
     pub uv_scale: [f64; 2],
@@ -283,6 +295,9 @@ pub struct InstanceF64 {
     /// World position of the part's origin, millimetres.
     pub origin: [f64; 3],
 }
+
+/// Levels of a BVH at most; those of the BVH over instances and of a part's together stay within a stack of 32 entries.
+pub const MAX_TREE_DEPTH: usize = 16;
 
 /// The material index that means "as the face says".
 pub const NO_MATERIAL: u32 = u32::MAX;
@@ -330,7 +345,9 @@ pub mod primitive {
 /// leaf   [31] = 1  [30] inside, for a point at the cell's lower left corner  [29:24] number of segments  [23:0] first segment,
 ///        relative to the first segment of the tree; number 63: the next word holds the number
 /// ```
-/// The root of a tree is preceded by one word: the index of the tree's first segment. The root cell is [0, 1]².
+/// The root of a tree is preceded by one word: the index of the tree's first segment. The root cell is [0, 1]². A point goes left where its
+/// coordinate is below [`split_position`], else right; the left cell keeps `low` and has the size `position − low`, the right cell starts at
+/// the position and has the size `size − (position − low)`, all in f32.
 pub mod trim_node {
     /// The bit that marks a leaf.
     pub const LEAF_BIT: u32 = 1 << 31;
@@ -340,6 +357,11 @@ pub mod trim_node {
     pub const FAR: u32 = 0xffff;
     /// A number of segments that does not fit.
     pub const MANY: u32 = 63;
+
+    /// Where `plane` stands in a cell from `low` to `low + size` along its axis; segments are clipped at exactly this number.
+    pub fn split_position(low: f32, size: f32, plane: u32) -> f32 {
+        low + plane as f32 * (1.0 / PLANE_STEPS as f32) * size
+    }
 
     /// An unpacked word.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]

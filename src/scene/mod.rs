@@ -12,12 +12,14 @@
 //! (u, v) of a face are *normalised*: 0 to 1 over the face's trim window. (u, v) of a net are *local*: 0 to 1 over the net.
 
 mod layout;
+#[cfg(test)]
+mod layout_tests;
 mod metadata;
 mod validate;
 
 pub use layout::{
-    BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, Material, NO_MATERIAL, Net, NetLeaf,
-    Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+    BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_TREE_DEPTH, Material, NO_MATERIAL,
+    Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
 };
 pub use metadata::{FaceInfo, InstanceInfo, Metadata, PartInfo};
 pub use validate::{InvalidScene, validate};

@@ -1,8 +1,29 @@
 //! The CPU tracer: the kernels of `shaders/`, generic over f32 and f64.
+//!
+//! Data-oriented on purpose: ids and slices in, plain structs out, no recursion, no allocation per ray, stacks of fixed size. A function
+//! here and the WGSL function of the same name are one algorithm in two texts.
 
-use super::{Camera, Hit, Ray, RenderOptions};
-use crate::image::Film;
-use crate::scene::Scene;
+mod analytic;
+mod bernstein;
+mod bvh;
+mod camera;
+mod frames;
+mod hit;
+mod light;
+mod net;
+mod probe;
+mod ray_space;
+mod render;
+mod shade;
+mod torus;
+mod trace;
+mod trim;
+mod vector;
+
+pub use frames::Kernel;
+pub use probe::probe;
+pub use render::render;
+pub use trim::split_position;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,17 +34,5 @@ pub enum Precision {
     F64,
 }
 
-/// All hits of each ray, sorted by t; or only the first of each.
-pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
-    todo!()
-}
-
-/// Renders a picture; `progress` is told (done, total) units of work.
-pub fn render(
-    scene: &Scene<'_>,
-    camera: &Camera,
-    options: &RenderOptions,
-    progress: &(dyn Fn(usize, usize) + Sync),
-) -> Film {
-    todo!()
-}
+/// The net of hits on analytic faces.
+pub const NO_NET: u32 = u32::MAX;

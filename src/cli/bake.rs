@@ -1,0 +1,59 @@
+//! `trimray bake`: a model preprocessed into a `.trimray` file.
+
+use super::Failure;
+use super::args::{Bake, General};
+use super::load::{Purpose, is_baked, load, nothing};
+use crate::cache;
+use anyhow::Context;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
+    let input = &command.input;
+    if is_baked(input) {
+        return Err(Failure::Usage(format!("{} is baked already", input.display())).into());
+    }
+    let output = command.output.clone().unwrap_or_else(|| input.with_extension("trimray"));
+    let start = Instant::now();
+    let loaded = load(input, Purpose { keep_f64: command.keep_f64, strict: command.import.strict }, general)?;
+    let scene = loaded.scene();
+    if scene.faces.is_empty() {
+        return Err(nothing(input, &scene, "bake").into());
+    }
+    cache::write(&output, &scene, hash(input)?)?;
+    if !general.quiet {
+        let source_size = std::fs::metadata(input).map_or(0, |m| m.len());
+        let baked_size = std::fs::metadata(&output).map_or(0, |m| m.len());
+        writeln!(
+            std::io::stderr(),
+            "{}: {} faces, {} from {} in {:.2} s",
+            output.display(),
+            scene.faces.len(),
+            size_text(baked_size),
+            size_text(source_size),
+            start.elapsed().as_secs_f64()
+        )?;
+    }
+    Ok(())
+}
+
+/// BLAKE3 of the source, by which a baked file tells what it was baked from.
+fn hash(path: &Path) -> anyhow::Result<[u8; 32]> {
+    let mut hasher = blake3::Hasher::new();
+    std::fs::File::open(path)
+        .and_then(|file| hasher.update_reader(file).map(|_| ()))
+        .with_context(|| path.display().to_string())?;
+    Ok(hasher.finalize().into())
+}
+
+/// A size for people.
+pub(super) fn size_text(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        b if b < 1e3 => format!("{b} B"),
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b => format!("{:.2} GB", b / 1e9),
+    }
+}

@@ -1,0 +1,97 @@
+//! From INPUT to a scene: a CAD file is imported and baked in memory, a `.trimray` file is mapped.
+
+use super::Failure;
+use super::args::General;
+use super::progress::Progress;
+use super::report;
+use crate::bake::{BakeOptions, bake};
+use crate::cache::CacheFile;
+use crate::import::import;
+use crate::scene::{Scene, SceneBuffers, validate};
+use anyhow::Context;
+use std::path::Path;
+use std::time::Instant;
+
+/// A scene and where it lives.
+pub(super) enum Loaded {
+    Baked(Box<SceneBuffers>),
+    Mapped(CacheFile),
+}
+
+impl Loaded {
+    pub(super) fn scene(&self) -> Scene<'_> {
+        match self {
+            Self::Baked(buffers) => buffers.scene(),
+            Self::Mapped(file) => file.scene(),
+        }
+    }
+}
+
+/// What the caller does with the scene.
+#[derive(Clone, Copy)]
+pub(super) struct Purpose {
+    /// Whether f64 geometry is needed.
+    pub(super) keep_f64: bool,
+    /// Whether a dropped face ends the command.
+    pub(super) strict: bool,
+}
+
+/// Whether the path names a baked scene.
+pub(super) fn is_baked(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("trimray"))
+}
+
+/// Reads `path`, reports on stderr what was dropped, and obeys `--strict`.
+pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::Result<Loaded> {
+    let loaded = if is_baked(path) {
+        let start = Instant::now();
+        let file = CacheFile::open(path)?;
+        log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
+        Loaded::Mapped(file)
+    } else {
+        Loaded::Baked(Box::new(import_and_bake(path, purpose.keep_f64, general)?))
+    };
+    let scene = loaded.scene();
+    if !general.quiet {
+        report::warn(path, scene.metadata, general.verbose > 0);
+    }
+    let dropped = report::dropped_faces(scene.metadata);
+    if purpose.strict && dropped > 0 {
+        let declared = scene.metadata.declared_faces;
+        return Err(Failure::Partial { path: path.display().to_string(), dropped, declared }.into());
+    }
+    Ok(loaded)
+}
+
+fn import_and_bake(path: &Path, keep_f64: bool, general: &General) -> anyhow::Result<SceneBuffers> {
+    let start = Instant::now();
+    let model = import(path)?;
+    let imported = Instant::now();
+    let progress = Progress::new(format!("Baking {}", file_name(path)), general);
+    let options = BakeOptions { keep_f64, ..BakeOptions::default() };
+    let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
+    drop(progress);
+    buffers.metadata.file_name = file_name(path);
+    validate(&buffers.scene())
+        .with_context(|| format!("{}: the baked scene is unsound; please report this", path.display()))?;
+    log::info!(
+        "imported in {:.2} s, baked in {:.2} s",
+        (imported - start).as_secs_f64(),
+        imported.elapsed().as_secs_f64()
+    );
+    Ok(buffers)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The error for a scene without faces.
+pub(super) fn nothing(path: &Path, scene: &Scene<'_>, verb: &'static str) -> Failure {
+    let reason = match scene.metadata.declared_faces {
+        0 => "the file has no faces".to_owned(),
+        declared if report::dropped_faces(scene.metadata) > 0 => format!("all {declared} faces were dropped"),
+        declared => format!("none of the {declared} faces belongs to a placed part"),
+    };
+    Failure::Nothing { path: path.display().to_string(), verb, reason }
+}

@@ -1,0 +1,57 @@
+//! `trimray render`: pictures of models.
+
+use super::args::{General, Render};
+use super::load::{Purpose, load, nothing};
+use super::output::{Output, outputs};
+use super::progress::Progress;
+use super::{device, view};
+use crate::render::{Background, RenderOptions};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
+    let outputs = outputs(&command.output, &command.inputs)?;
+    let mut device = device::Chooser::new(command.device, general);
+    for (input, output) in command.inputs.iter().zip(&outputs) {
+        render_one(input, output, command, general, &mut device)?;
+    }
+    Ok(())
+}
+
+fn render_one(
+    input: &Path,
+    output: &Output,
+    command: &Render,
+    general: &General,
+    device: &mut device::Chooser<'_>,
+) -> anyhow::Result<()> {
+    let loaded = load(input, Purpose { keep_f64: false, strict: command.import.strict }, general)?;
+    let scene = loaded.scene();
+    if scene.faces.is_empty() || scene.instances.is_empty() {
+        return Err(nothing(input, &scene, "render").into());
+    }
+    let [width, height] = command.resolution;
+    let camera =
+        view::camera(&command.view, view::bounds(scene.header), f64::from(width) / f64::from(height));
+    let options = RenderOptions {
+        resolution: command.resolution,
+        samples: command.samples,
+        background: if command.no_background {
+            Background::Transparent
+        } else {
+            Background::Color(command.background_color)
+        },
+        ambient_occlusion: !command.no_ambient_occlusion,
+    };
+    let start = Instant::now();
+    let progress = Progress::new(format!("Rendering {}", input.display()), general);
+    let film = device.render(&scene, &camera, &options, &|done, total| progress.tell(done, total))?;
+    drop(progress);
+    log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
+    output.write(&film)?;
+    if let (false, Some(path)) = (general.quiet, output.path()) {
+        writeln!(std::io::stderr(), "{}: {width} by {height} pixels", path.display())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,208 @@
+//! Rays against planes, cylinders, cones, spheres and tori: closed forms over re-origined rays.
+//!
+//! All work in the carrier's frame, the ray's origin already near the frame's (see [`super::ray_space`]). The quadratics slide once more, to
+//! the closest approach to the axis or centre, where the discriminant is a plain difference `r² − distance²` without
+//! cancelling squares (Haines, Günther and Akenine-Möller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems, ch. 7).
+
+use super::torus::torus_roots;
+use super::vector::{Vector3, number, vec3};
+use crate::numeric::Real;
+use crate::scene::FaceKind;
+
+/// Where a line meets a carrier, ascending.
+#[derive(Debug, Clone, Copy)]
+pub struct Roots<T> {
+    /// How many.
+    pub count: usize,
+    /// Distances from the ray's origin, in units of the direction.
+    pub t: [T; 4],
+}
+
+impl<T: Real> Roots<T> {
+    /// No roots.
+    pub fn none() -> Self {
+        Self { count: 0, t: [T::ZERO; 4] }
+    }
+    /// Adds a root, keeping order; what is not finite or beyond four is left out.
+    #[inline]
+    pub fn insert(&mut self, t: T) {
+        if !t.is_finite() || self.count == 4 {
+            return;
+        }
+        let mut at = self.count;
+        while at > 0 && self.t[at - 1] > t {
+            self.t[at] = self.t[at - 1];
+            at -= 1;
+        }
+        self.t[at] = t;
+        self.count += 1;
+    }
+}
+
+/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier.
+#[inline]
+pub fn carrier_roots<T: Real>(
+    kind: u32,
+    origin: Vector3<T>,
+    direction: Vector3<T>,
+    radii: [T; 2],
+) -> Roots<T> {
+    if kind == FaceKind::Plane as u32 {
+        plane_roots(origin, direction)
+    } else if kind == FaceKind::Cylinder as u32 {
+        cylinder_roots(origin, direction, radii[0])
+    } else if kind == FaceKind::Cone as u32 {
+        cone_roots(origin, direction, radii[0], radii[1])
+    } else if kind == FaceKind::Sphere as u32 {
+        sphere_roots(origin, direction, radii[0])
+    } else {
+        torus_roots(origin, direction, radii[0], radii[1])
+    }
+}
+
+/// `z = 0`.
+#[inline]
+pub fn plane_roots<T: Real>(o: Vector3<T>, d: Vector3<T>) -> Roots<T> {
+    let mut roots = Roots::none();
+    roots.insert(-o.z / d.z);
+    roots
+}
+
+/// `x² + y² = r²`.
+#[inline]
+pub fn cylinder_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
+    let across = vec3(d.x, d.y, T::ZERO);
+    closest_then_chord(vec3(o.x, o.y, T::ZERO), across, radius)
+}
+
+/// `x² + y² + z² = r²`.
+#[inline]
+pub fn sphere_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
+    closest_then_chord(o, d, radius)
+}
+
+/// `|o + t d| = radius`.
+#[inline(always)]
+fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
+    let mut roots = Roots::none();
+    let dd = d.dot(d);
+    let slide = -o.dot(d) / dd;
+    let closest = d.fused(slide, o);
+    let distance = closest.length();
+    let under_root = (radius - distance) * (radius + distance);
+    if under_root >= T::ZERO {
+        let half = (under_root / dd).sqrt();
+        roots.insert(slide - half);
+        roots.insert(slide + half);
+    }
+    roots
+}
+
+/// `x² + y² = (r + k z)²`, both nappes: the trim window tells them apart.
+///
+/// The discriminant of a cone has no such form as a sphere's; two Newton steps on the implicit, evaluated at the root, make up for what
+/// its rounding costs.
+#[inline]
+pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) -> Roots<T> {
+    let mut roots = Roots::none();
+    let slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
+    let slide = if slide.is_finite() { slide } else { T::ZERO };
+    let p = d.fused(slide, o);
+    let (rho, drho) = (radius + slope * p.z, slope * d.z);
+    let a = (d.x * d.x + d.y * d.y) - drho * drho;
+    let b = (p.x * d.x + p.y * d.y) - rho * drho;
+    let c = (p.x * p.x + p.y * p.y) - rho * rho;
+    let discriminant = b * b - a * c;
+    if discriminant >= T::ZERO {
+        let q = -(b + b.signum() * discriminant.sqrt());
+        roots.insert(slide + polish_cone(p, d, radius, slope, q / a));
+        roots.insert(slide + polish_cone(p, d, radius, slope, c / q));
+    }
+    roots
+}
+
+fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
+    let mut t = start;
+    for _ in 0..2 {
+        let p = o + d * t;
+        let across = (p.x * p.x + p.y * p.y).sqrt();
+        let rho = (radius + slope * p.z).abs();
+        let sign = (radius + slope * p.z).signum();
+        let change = (p.x * d.x + p.y * d.y) / across - sign * slope * d.z;
+        let next = t - (across - rho) / change;
+        // A tangent or a ray through the apex has no slope to follow.
+        if !((next - t).abs() <= number::<T>(0.001) * (across + rho)) {
+            return t;
+        }
+        t = next;
+    }
+    t
+}
+
+/// Surface parameters of a point of the carrier, in the carrier's frame; angles in (−π, π].
+#[inline]
+pub fn carrier_parameters<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [T; 2] {
+    if kind == FaceKind::Plane as u32 {
+        [p.x, p.y]
+    } else if kind == FaceKind::Cylinder as u32 {
+        [p.y.atan2(p.x), p.z]
+    } else if kind == FaceKind::Cone as u32 {
+        // Beyond the apex the radius is negative and u points the other way.
+        let side = if radii[0] + radii[1] * p.z < T::ZERO { -T::ONE } else { T::ONE };
+        [(p.y * side).atan2(p.x * side), p.z]
+    } else {
+        let across = (p.x * p.x + p.y * p.y).sqrt();
+        if kind == FaceKind::Sphere as u32 {
+            return [p.y.atan2(p.x), p.z.atan2(across)];
+        }
+        // Of the two tube circles in the point's half-plane (the far one counts for spindles) the one it lies on.
+        let squares = p.z * p.z - radii[1] * radii[1];
+        let near = (across - radii[0]) * (across - radii[0]) + squares;
+        let far = (across + radii[0]) * (across + radii[0]) + squares;
+        if far.abs() < near.abs() {
+            [(-p.y).atan2(-p.x), p.z.atan2(-across - radii[0])]
+        } else {
+            [p.y.atan2(p.x), p.z.atan2(across - radii[0])]
+        }
+    }
+}
+
+/// The unit normal `S_u × S_v` in the carrier's frame.
+#[inline]
+pub fn carrier_normal<T: Real>(kind: u32, uv: [T; 2], radii: [T; 2]) -> Vector3<T> {
+    if kind == FaceKind::Plane as u32 {
+        return vec3(T::ZERO, T::ZERO, T::ONE);
+    }
+    let (sin_u, cos_u) = uv[0].sin_cos();
+    if kind == FaceKind::Cylinder as u32 {
+        return vec3(cos_u, sin_u, T::ZERO);
+    }
+    if kind == FaceKind::Cone as u32 {
+        let side = if radii[0] + radii[1] * uv[1] < T::ZERO { -T::ONE } else { T::ONE };
+        let scale = side / (T::ONE + radii[1] * radii[1]).sqrt();
+        return vec3(cos_u * scale, sin_u * scale, -radii[1] * scale);
+    }
+    let (sin_v, cos_v) = uv[1].sin_cos();
+    let outward = vec3(cos_v * cos_u, cos_v * sin_u, sin_v);
+    if kind == FaceKind::Torus as u32 && radii[0] + radii[1] * cos_v < T::ZERO {
+        return -outward;
+    }
+    outward
+}
+
+/// Normalised parameters, wrapped; whether they lie in the trim window. Points within `tolerance` outside are moved onto its border.
+///
+/// The tolerance is 2⁻²⁰ of the window, as for nets, and four roundings of `low · scale`, which the parameter was measured from.
+#[inline]
+pub fn to_window<T: Real>(parameter: T, low: T, scale: T, period: T) -> (T, bool) {
+    let tolerance = number::<T>(1.0 / 1_048_576.0) + number::<T>(4.0) * T::EPSILON * (low * scale).abs();
+    let mut p = (parameter - low) * scale;
+    if period > T::ZERO {
+        p = p - (p / period).floor() * period;
+        if p > period - tolerance && p > T::ONE {
+            p = p - period;
+        }
+    }
+    let inside = p >= -tolerance && p <= T::ONE + tolerance;
+    (p.max(T::ZERO).min(T::ONE), inside)
+}

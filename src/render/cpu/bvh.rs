@@ -1,0 +1,165 @@
+//! Walks the 8-wide compressed BVH (Ylitie, Karras and Laine 2017), children in the order of the ray's octant.
+//!
+//! The node test is conservative: the slabs are widened by the rounding error of their own computation, so flat boxes, rays in a box's
+//! plane and rays along an axis lose nothing. The stack cannot overflow: `scene::validate` bounds the depth by [`STACK_SIZE`].
+
+use super::vector::{Vector3, number, vec3};
+use crate::numeric::Real;
+use crate::scene::{BvhNode, Scene};
+
+/// A deferred group of siblings per level; validated trees are not deeper.
+pub const STACK_SIZE: usize = 32;
+
+/// A ray as the node test wants it.
+#[derive(Debug, Clone, Copy)]
+pub struct BvhRay<T> {
+    /// The origin.
+    pub origin: Vector3<T>,
+    /// 1 / direction, ±1e18 where the direction is 0.
+    pub inverse: Vector3<T>,
+    /// A bit per axis (x: 4, y: 2, z: 1), set where the ray does not run backwards.
+    pub octant: u32,
+}
+
+/// A walk in progress.
+#[derive(Debug, Clone, Copy)]
+pub struct Walk {
+    /// First node of the tree.
+    first_node: u32,
+    /// First primitive word of the tree.
+    first_primitive: u32,
+    /// Siblings still to visit: their base and, from bit 24 up, who; below, which children are inner nodes.
+    group: [u32; 2],
+    /// Primitives still to visit: their base and who.
+    primitives: [u32; 2],
+    stack: [[u32; 2]; STACK_SIZE],
+    depth: usize,
+}
+
+/// Prepares a ray.
+#[inline]
+pub fn bvh_ray<T: Real>(origin: Vector3<T>, direction: Vector3<T>) -> BvhRay<T> {
+    let bit = |component: T, bit: u32| if component < T::ZERO { 0 } else { bit };
+    BvhRay {
+        origin,
+        inverse: vec3(inverse(direction.x), inverse(direction.y), inverse(direction.z)),
+        octant: bit(direction.x, 4) | bit(direction.y, 2) | bit(direction.z, 1),
+    }
+}
+
+/// 1 / x; ±1e18 near 0, so that products with millimetres stay finite in f32. The sign agrees with the octant, for −0 too.
+#[inline(always)]
+fn inverse<T: Real>(x: T) -> T {
+    if x.abs() >= number(1e-18) {
+        T::ONE / x
+    } else if x < T::ZERO {
+        number(-1e18)
+    } else {
+        number(1e18)
+    }
+}
+
+/// Starts a walk over a tree of `node_count` nodes.
+#[inline]
+pub fn start_walk(first_node: u32, node_count: u32, first_primitive: u32) -> Walk {
+    Walk {
+        first_node,
+        first_primitive,
+        group: [0, if node_count == 0 { 0 } else { 0x8000_0000 }],
+        primitives: [0, 0],
+        stack: [[0; 2]; STACK_SIZE],
+        depth: 0,
+    }
+}
+
+/// The next primitive word whose box the ray meets between `near` and `far` (both counted from the ray's origin).
+#[inline]
+pub fn next_primitive<T: Real>(
+    walk: &mut Walk,
+    scene: &Scene<'_>,
+    ray: &BvhRay<T>,
+    near: T,
+    far: T,
+) -> Option<u32> {
+    loop {
+        if walk.primitives[1] != 0 {
+            let bit = 31 - walk.primitives[1].leading_zeros();
+            walk.primitives[1] &= !(1 << bit);
+            let index = walk.first_primitive + walk.primitives[0] + bit;
+            return Some(scene.primitives[index as usize]);
+        }
+        if walk.group[1] & 0xff00_0000 == 0 {
+            if walk.depth == 0 {
+                return None;
+            }
+            walk.depth -= 1;
+            walk.group = walk.stack[walk.depth];
+        }
+        // Takes the first sibling in octant order and keeps the others for later.
+        let hits = walk.group[1];
+        let bit = 31 - hits.leading_zeros();
+        walk.group[1] &= !(1 << bit);
+        if walk.group[1] & 0xff00_0000 != 0 && walk.depth < STACK_SIZE {
+            walk.stack[walk.depth] = walk.group;
+            walk.depth += 1;
+        }
+        let slot = (bit - 24) ^ ray.octant;
+        let rank = (hits & !(u32::MAX << slot)).count_ones();
+        let node = &scene.bvh_nodes[(walk.first_node + walk.group[0] + rank) as usize];
+        let hits = intersect_node(node, ray, near, far);
+        walk.group = [node.child_base, (hits & 0xff00_0000) | u32::from(node.imask)];
+        walk.primitives = [node.primitive_base, hits & 0x00ff_ffff];
+    }
+}
+
+/// The children met: inner nodes from bit 24 up in octant order, primitives below.
+#[inline]
+pub fn intersect_node<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
+    let [x_near, x_far, x_scale] = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
+    let [y_near, y_far, y_scale] = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
+    let [z_near, z_far, z_scale] = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
+    let (x_low, x_high) = order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x);
+    let (y_low, y_high) = order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y);
+    let (z_low, z_high) = order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z);
+    let mut hits = 0;
+    for child in 0..8 {
+        let meta = u32::from(node.child_meta[child]);
+        let plane = |byte: u8| T::from_f32(f32::from(byte));
+        let enter = near
+            .max(plane(x_low[child]) * x_scale + x_near)
+            .max(plane(y_low[child]) * y_scale + y_near)
+            .max(plane(z_low[child]) * z_scale + z_near);
+        let leave = far
+            .min(plane(x_high[child]) * x_scale + x_far)
+            .min(plane(y_high[child]) * y_scale + y_far)
+            .min(plane(z_high[child]) * z_scale + z_far);
+        if meta != 0 && enter <= leave {
+            if node.imask >> child & 1 == 1 {
+                hits |= 1 << (24 + ((meta & 7) ^ ray.octant));
+            } else {
+                hits |= (meta >> 5) << (meta & 31);
+            }
+        }
+    }
+    hits
+}
+
+/// Along one axis: where on the ray plane 0 lies, early and late, and how far apart planes lie.
+///
+/// A plane's position takes five roundings of terms no greater than `|origin| + |p − origin| + 255 · spacing`: early and late differ from
+/// the rounded value by 8 ε of that sum.
+#[inline(always)]
+fn axis_terms<T: Real>(p: f32, exponent: u8, origin: T, inverse: T) -> [T; 3] {
+    let spacing = T::from_f32(f32::from_bits(u32::from(exponent) << 23));
+    let start = T::from_f32(p) - origin;
+    let slack = (origin.abs() + start.abs() + spacing * number(255.0))
+        * inverse.abs()
+        * number::<T>(8.0)
+        * T::EPSILON;
+    [start * inverse - slack, start * inverse + slack, spacing * inverse]
+}
+
+#[inline(always)]
+fn order<'a>(forward: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> (&'a [u8; 8], &'a [u8; 8]) {
+    if forward { (min, max) } else { (max, min) }
+}

@@ -1,0 +1,129 @@
+//! What the kernels read of instances, faces and nets, in the kernels' own number type.
+//!
+//! The f32 kernels read the f32 arrays, the f64 kernels the f64 arrays. Both see the same grid; what is left of a position after its
+//! grid steps is at most a step long and is all that the number type rounds.
+
+use super::vector::{Vector3, number, vec3};
+use crate::numeric::Real;
+use crate::scene::Scene;
+
+/// An [`crate::scene::Instance`].
+#[derive(Debug, Clone, Copy)]
+pub struct InstanceFrame<T> {
+    /// Rows of the linear map part ← world.
+    pub rows: [Vector3<T>; 3],
+    /// Whether that map is exactly the identity.
+    pub is_translation: bool,
+    /// World position of the part's origin, grid steps …
+    pub grid: [i32; 3],
+    /// … plus this.
+    pub fraction: Vector3<T>,
+    /// Holds the part, around its origin.
+    pub radius: T,
+}
+
+/// A [`crate::scene::Face`].
+#[derive(Debug, Clone, Copy)]
+pub struct FaceFrame<T> {
+    /// Origin of face space in part space, grid steps.
+    pub grid: [i32; 3],
+    /// A [`crate::scene::FaceKind`].
+    pub kind: u32,
+    /// Origin of the carrier's frame in face space.
+    pub offset: Vector3<T>,
+    /// The frame's axes.
+    pub axes: [Vector3<T>; 3],
+    /// `radius_0`, `radius_1`.
+    pub radii: [T; 2],
+    /// Least u and v of the trim window.
+    pub uv_low: [T; 2],
+    /// 1 / size of the trim window.
+    pub uv_scale: [T; 2],
+    /// Periods in normalised units; 0 where not periodic.
+    pub period: [T; 2],
+}
+
+/// The number types of the kernels.
+pub trait Kernel: Real {
+    /// Reads an instance.
+    fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<Self>;
+    /// Reads a face.
+    fn face(scene: &Scene<'_>, index: u32) -> FaceFrame<Self>;
+    /// Reads a homogeneous control point of a net.
+    fn net_point(scene: &Scene<'_>, index: usize) -> [Self; 4];
+}
+
+impl Kernel for f32 {
+    #[inline]
+    fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<f32> {
+        let instance = &scene.instances[index as usize];
+        InstanceFrame {
+            rows: [instance.part_from_world_0, instance.part_from_world_1, instance.part_from_world_2]
+                .map(Vector3::from_f32),
+            is_translation: instance.is_translation != 0,
+            grid: instance.grid,
+            fraction: Vector3::from_f32(instance.fraction),
+            radius: instance.radius,
+        }
+    }
+    #[inline]
+    fn face(scene: &Scene<'_>, index: u32) -> FaceFrame<f32> {
+        let face = &scene.faces[index as usize];
+        FaceFrame {
+            grid: face.grid,
+            kind: face.kind,
+            offset: Vector3::from_f32(face.offset),
+            axes: [face.x_axis, face.y_axis, face.z_axis].map(Vector3::from_f32),
+            radii: [face.radius_0, face.radius_1],
+            uv_low: face.uv_low,
+            uv_scale: face.uv_scale,
+            period: face.period,
+        }
+    }
+    #[inline(always)]
+    fn net_point(scene: &Scene<'_>, index: usize) -> [f32; 4] {
+        scene.net_points[index]
+    }
+}
+
+impl Kernel for f64 {
+    fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<f64> {
+        let (narrow, exact) = (&scene.instances[index as usize], &scene.instances_f64[index as usize]);
+        InstanceFrame {
+            rows: exact.part_from_world.map(Vector3::from_f64),
+            is_translation: narrow.is_translation != 0,
+            grid: narrow.grid,
+            fraction: Vector3::from_f64(exact.origin) - grid_position(narrow.grid, scene.header.grid_step),
+            radius: f64::from(narrow.radius),
+        }
+    }
+    fn face(scene: &Scene<'_>, index: u32) -> FaceFrame<f64> {
+        let (narrow, exact) = (&scene.faces[index as usize], &scene.faces_f64[index as usize]);
+        FaceFrame {
+            grid: narrow.grid,
+            kind: narrow.kind,
+            offset: Vector3::from_f64(exact.origin) - grid_position(narrow.grid, scene.header.grid_step),
+            axes: [exact.x_axis, exact.y_axis, exact.z_axis].map(Vector3::from_f64),
+            radii: exact.radii,
+            uv_low: exact.uv_low,
+            uv_scale: exact.uv_scale,
+            period: exact.period,
+        }
+    }
+    #[inline(always)]
+    fn net_point(scene: &Scene<'_>, index: usize) -> [f64; 4] {
+        scene.net_points_f64[index]
+    }
+}
+
+/// `grid · step`; exact where the components are below the number type's whole-number range (2²⁴ for f32).
+#[inline(always)]
+pub fn grid_position<T: Real>(grid: [i32; 3], step: T) -> Vector3<T> {
+    vec3(number::<T>(grid[0].into()), number::<T>(grid[1].into()), number::<T>(grid[2].into())) * step
+}
+
+/// `a − b`.
+#[inline(always)]
+pub fn grid_difference(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
+    [a[0].wrapping_sub(b[0]), a[1].wrapping_sub(b[1]), a[2].wrapping_sub(b[2])]
+}

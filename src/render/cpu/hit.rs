@@ -1,0 +1,52 @@
+//! From a kernel's hit to a hit as the outside sees it.
+
+use super::analytic::carrier_normal;
+use super::frames::FaceFrame;
+use super::net::net_normal;
+use super::trace::{RawHit, face_parameters};
+use super::vector::{Vector3, number};
+use super::{Kernel, NO_NET};
+use crate::render::Hit;
+use crate::scene::{Face, Scene};
+
+/// The outward unit normal in world (and model) space.
+pub fn hit_normal<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> Vector3<T> {
+    let in_part = if hit.net == NO_NET {
+        let face: FaceFrame<T> = T::face(scene, hit.face);
+        let parameter = |k: usize| face.uv_low[k] + hit.uv[k] / face.uv_scale[k];
+        let n = carrier_normal(face.kind, [parameter(0), parameter(1)], face.radii);
+        face.axes[0] * n.x + face.axes[1] * n.y + face.axes[2] * n.z
+    } else {
+        net_normal(scene, &scene.nets[hit.net as usize], hit.uv)
+    };
+    let instance = T::instance(scene, hit.instance);
+    // Normals go from part to world by the transpose of part ← world; that of a mirror keeps "outward" outward.
+    let mut n = if instance.is_translation {
+        in_part
+    } else {
+        instance.rows[0] * in_part.x + instance.rows[1] * in_part.y + instance.rows[2] * in_part.z
+    };
+    if scene.faces[hit.face as usize].flags & Face::REVERSED != 0 {
+        n = -n;
+    }
+    n * (T::ONE / n.length().max(number(1e-30)))
+}
+
+/// The hit with its distance from the ray's own origin, its normal and its surface parameters.
+pub fn finish_hit<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>, start: f64) -> Hit {
+    let normalised = if hit.net == NO_NET {
+        hit.uv
+    } else {
+        let net = &scene.nets[hit.net as usize];
+        face_parameters(net, scene.faces[hit.face as usize].period, hit.uv)
+    };
+    let info = &scene.metadata.faces[hit.face as usize];
+    let uv = |k: usize| info.uv_low[k] + normalised[k].to_f64() * info.uv_size[k];
+    Hit {
+        t: start + hit.distance.to_f64(),
+        normal: hit_normal(scene, hit).to_f64(),
+        uv: [uv(0), uv(1)],
+        face: hit.face,
+        instance: hit.instance,
+    }
+}

@@ -1,0 +1,91 @@
+//! Batches of rays to hits.
+
+use super::hit::{finish_hit, hit_normal};
+use super::ray_space::{Distance, PreparedRay, prepare};
+use super::trace::{RawHit, first_hit, trace};
+use super::vector::number;
+use super::{Kernel, Precision};
+use crate::render::{Hit, Ray};
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+/// Hits kept per ray: more than any model has, little enough to bound memory.
+const MAX_HITS: usize = 1 << 16;
+
+/// All hits of each ray, sorted by t; or only the first of each. In f32 where the scene has no f64 arrays.
+pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
+    let exact = precision == Precision::F64 && scene.has_f64();
+    rays.par_iter()
+        .map(|ray| {
+            if exact {
+                probe_ray::<f64>(scene, ray, first_only)
+            } else {
+                probe_ray::<f32>(scene, ray, first_only)
+            }
+        })
+        .collect()
+}
+
+/// The hits of one ray.
+fn probe_ray<T: Kernel>(scene: &Scene<'_>, ray: &Ray, first_only: bool) -> Vec<Hit> {
+    let Some(prepared) = prepare::<T>(ray, scene.header) else {
+        return Vec::new();
+    };
+    if first_only {
+        let first = first_hit(scene, &prepared.ray, prepared.near);
+        first.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
+    } else {
+        let hits = all_hits(scene, &prepared);
+        hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
+    }
+}
+
+/// All hits, sorted, each once.
+pub fn all_hits<T: Kernel>(scene: &Scene<'_>, prepared: &PreparedRay<T>) -> Vec<RawHit<T>> {
+    let mut hits: Vec<RawHit<T>> = Vec::new();
+    trace(scene, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
+        hits.push(hit);
+        (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
+    });
+    let order = |a: &RawHit<T>, b: &RawHit<T>| {
+        let by_distance = a.distance.minus(b.distance).partial_cmp(&T::ZERO);
+        by_distance
+            .unwrap_or(std::cmp::Ordering::Equal)
+            .then(a.face.cmp(&b.face))
+            .then(a.net.cmp(&b.net))
+            .then(a.instance.cmp(&b.instance))
+    };
+    hits.sort_by(order);
+    merge_doubles(scene, prepared, hits)
+}
+
+/// Leaves one of the hits that neighbouring leaves and nets of one face report twice: same face, same facing, and closer together than the
+/// roundings of t, which grow as the ray gets tangent.
+fn merge_doubles<T: Kernel>(
+    scene: &Scene<'_>,
+    prepared: &PreparedRay<T>,
+    hits: Vec<RawHit<T>>,
+) -> Vec<RawHit<T>> {
+    let mut kept: Vec<RawHit<T>> = Vec::with_capacity(hits.len());
+    let mut facings: Vec<T> = Vec::with_capacity(hits.len());
+    let size = number::<T>(super::ray_space::scene_radius(scene.header));
+    for hit in hits {
+        let facing = hit_normal(scene, &hit).dot(prepared.ray.direction);
+        let tolerance = size * T::EPSILON * number::<T>(16.0) / facing.abs().max(number(1e-3));
+        let mut double = false;
+        for i in (0..kept.len()).rev() {
+            if hit.distance.minus(kept[i].distance) > tolerance {
+                break;
+            }
+            double |= hit.net != super::NO_NET
+                && kept[i].face == hit.face
+                && kept[i].instance == hit.instance
+                && (facings[i] >= T::ZERO) == (facing >= T::ZERO);
+        }
+        if !double {
+            kept.push(hit);
+            facings.push(facing);
+        }
+    }
+    kept
+}

@@ -1,0 +1,238 @@
+//! Rays on their way from model space to the space of one primitive, without loss.
+//!
+//! An f32 ray in world coordinates is off by 2⁻²⁴ of the *world*, whatever it hits. Here the error stays near 2⁻²⁴ of the *primitive*,
+//! by three rules:
+//!
+//! 1. **Grid.** A position is a pair (grid i32×3, fraction), `grid · grid_step + fraction`. Rays, instances and faces share the grid, so
+//!    differences of positions lose nothing: the whole numbers cancel exactly and only fractions of a step are rounded.
+//! 2. **Re-origin.** Before a ray meets a thing, its origin slides to the closest approach to the thing's centre:
+//!    `o'' = fma(t0, d, base) + rest`. `base` (the grid difference) and `t0` are exact, the product is not rounded, and the sum is
+//!    as small as the thing: one rounding at the thing's own scale.
+//! 3. **Whole anchors.** `t0` is rounded to a multiple of the grid step. Any multiple is as good as another, for all later distances are
+//!    counted from it; and sums of multiples are exact as long as they stay below 2²⁴ steps (the scene is 2¹⁶ steps wide). A hit's
+//!    distance is the pair (anchor, offset), compared as `(a.anchor − b.anchor) + (a.offset − b.offset)`: the first
+//!    difference is exact.
+//!
+//! A direction is rounded too, and would swing the ray by 2⁻²⁴ of its length; so it carries its own rounding error in
+//! `direction_low`, which enters where the origin moves. None of this relies on error-free transformations, which a shader compiler
+//! may reassociate away; without a fused `fma` rule 2 degrades to 2⁻²⁴ of the scene.
+//!
+//! Through an instance that is a translation, the grid goes on to the faces. Through a rotated one the ray is re-origined at the part,
+//! rotated (one rounding at the part's scale), and continues with grid 0.
+
+use super::frames::{FaceFrame, InstanceFrame, grid_difference, grid_position};
+use super::vector::{Vector3, number};
+use crate::numeric::Real;
+use crate::render::Ray;
+use crate::scene::Header;
+use glam::DVec3;
+
+/// A distance along a ray in two parts: `anchor`, a multiple of the grid step, and `offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance<T> {
+    /// A multiple of the grid step.
+    pub anchor: T,
+    /// The rest.
+    pub offset: T,
+}
+
+impl<T: Real> Distance<T> {
+    /// Farther than everything.
+    pub const INFINITE: Self = Self { anchor: T::ZERO, offset: T::INFINITY };
+
+    /// `self − other`.
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> T {
+        (self.anchor - other.anchor) + (self.offset - other.offset)
+    }
+    /// `self − anchor`.
+    #[inline(always)]
+    pub fn from_anchor(self, anchor: T) -> T {
+        (self.anchor - anchor) + self.offset
+    }
+    /// The sum.
+    #[inline(always)]
+    pub fn to_f64(self) -> f64 {
+        self.anchor.to_f64() + self.offset.to_f64()
+    }
+}
+
+/// A ray in world space, its origin at the closest approach to the scene's centre.
+#[derive(Debug, Clone, Copy)]
+pub struct WorldRay<T> {
+    /// Origin, grid steps …
+    pub grid: [i32; 3],
+    /// … plus this.
+    pub fraction: Vector3<T>,
+    /// Of length 1 up to rounding.
+    pub direction: Vector3<T>,
+    /// What `direction` misses.
+    pub direction_low: Vector3<T>,
+}
+
+/// A ray in part space: `grid · grid_step + fraction + (t − anchor) · direction`.
+#[derive(Debug, Clone, Copy)]
+pub struct PartRay<T> {
+    /// Origin, grid steps …
+    pub grid: [i32; 3],
+    /// … plus this.
+    pub fraction: Vector3<T>,
+    /// Not of length 1 where the instance scales.
+    pub direction: Vector3<T>,
+    /// What `direction` misses.
+    pub direction_low: Vector3<T>,
+    /// Where on the world ray the origin lies.
+    pub anchor: T,
+    /// The point closest to the part's centre, for the BVH …
+    pub near_origin: Vector3<T>,
+    /// … and where on the world ray it lies.
+    pub near_anchor: T,
+}
+
+/// A ray in the space of a primitive, its origin as close to it as it gets.
+#[derive(Debug, Clone, Copy)]
+pub struct PrimitiveRay<T> {
+    /// For analytic faces relative to the carrier's frame origin; for nets in face space.
+    pub origin: Vector3<T>,
+    /// As in the [`PartRay`].
+    pub direction: Vector3<T>,
+    /// Where on the world ray the origin lies.
+    pub anchor: T,
+}
+
+/// A model-space ray made ready.
+#[derive(Debug, Clone, Copy)]
+pub struct PreparedRay<T> {
+    /// The ray.
+    pub ray: WorldRay<T>,
+    /// Add to a world distance to get the distance from the model-space origin.
+    pub start: f64,
+    /// World distance of the model-space origin: hits before it do not count.
+    pub near: Distance<T>,
+}
+
+/// The nearest multiple of `step`, a power of two.
+#[inline(always)]
+pub fn whole_steps<T: Real>(value: T, step: T) -> T {
+    (value / step + number(0.5)).floor() * step
+}
+
+/// Brings a ray into the world's grid; `None` where it cannot meet the scene.
+pub fn prepare<T: Real>(ray: &Ray, header: &Header) -> Option<PreparedRay<T>> {
+    let step = header.grid_step;
+    let radius = scene_radius(header);
+    let direction = ray.direction.try_normalize()?;
+    let from_anchor = ray.origin - DVec3::from_array(header.world_anchor);
+    let along = -from_anchor.dot(direction);
+    let closest = from_anchor + direction * along;
+    // Not "greater": a ray of NaNs fails this test as well.
+    if !(closest.length() <= radius) || along < -2.0 * radius {
+        return None;
+    }
+    let grid = (closest / step).round();
+    let narrow = Vector3::<T>::from_f64(direction.to_array());
+    let near = -along.min(2.0 * radius);
+    let near_anchor = whole_steps(near, step);
+    Some(PreparedRay {
+        ray: WorldRay {
+            grid: [grid.x as i32, grid.y as i32, grid.z as i32],
+            fraction: Vector3::from_f64((closest - grid * step).to_array()),
+            direction: narrow,
+            direction_low: Vector3::from_f64((direction - narrow.to_f64()).to_array()),
+        },
+        start: along,
+        near: Distance { anchor: T::from_f64(near_anchor), offset: T::from_f64(near - near_anchor) },
+    })
+}
+
+/// A radius around the world's origin that holds the scene.
+pub fn scene_radius(header: &Header) -> f64 {
+    let half = DVec3::from_array(header.half_size.map(f64::from));
+    half.length() * 1.001 + 2.0 * header.grid_step
+}
+
+/// The ray in the part's space; `None` where it passes the part by.
+#[inline]
+pub fn enter_instance<T: Real>(
+    ray: &WorldRay<T>,
+    instance: &InstanceFrame<T>,
+    step: T,
+) -> Option<PartRay<T>> {
+    let grid = grid_difference(ray.grid, instance.grid);
+    let base = grid_position(grid, step);
+    let rest = ray.fraction - instance.fraction;
+    let anchor = whole_steps(-(base + rest).dot(ray.direction), step);
+    let near = ray.direction.fused(anchor, base) + (rest + ray.direction_low * anchor);
+    // The anchor is up to half a step off the closest approach.
+    let slack = instance.radius * number(0.001) + step;
+    if instance.is_translation {
+        let reach = instance.radius + slack;
+        if !(near.dot(near) <= reach * reach) {
+            return None;
+        }
+        return Some(PartRay {
+            grid,
+            fraction: rest,
+            direction: ray.direction,
+            direction_low: ray.direction_low,
+            anchor: T::ZERO,
+            near_origin: near,
+            near_anchor: anchor,
+        });
+    }
+    let origin = apply_rows(&instance.rows, near);
+    let direction = apply_rows(&instance.rows, ray.direction);
+    let reach = instance.radius + slack * (T::ONE + direction.length());
+    if !(origin.dot(origin) <= reach * reach) {
+        return None;
+    }
+    Some(PartRay {
+        grid: [0; 3],
+        fraction: origin,
+        direction,
+        direction_low: Vector3::default(),
+        anchor,
+        near_origin: origin,
+        near_anchor: anchor,
+    })
+}
+
+/// The ray in the space of a carrier's frame, whose axes it still has to be turned to.
+#[inline]
+pub fn approach_frame<T: Real>(ray: &PartRay<T>, face: &FaceFrame<T>, step: T) -> PrimitiveRay<T> {
+    approach(ray, face.grid, face.offset, Vector3::default(), step)
+}
+
+/// The ray in face space, its origin at the closest approach to `center`.
+#[inline]
+pub fn approach_point<T: Real>(
+    ray: &PartRay<T>,
+    face_grid: [i32; 3],
+    center: Vector3<T>,
+    step: T,
+) -> PrimitiveRay<T> {
+    approach(ray, face_grid, Vector3::default(), center, step)
+}
+
+/// The ray relative to `grid · step + shift`, its origin at the closest approach to `center` there.
+#[inline(always)]
+fn approach<T: Real>(
+    ray: &PartRay<T>,
+    grid: [i32; 3],
+    shift: Vector3<T>,
+    center: Vector3<T>,
+    step: T,
+) -> PrimitiveRay<T> {
+    let base = grid_position(grid_difference(ray.grid, grid), step);
+    let rest = ray.fraction - shift;
+    let d = ray.direction;
+    let slide = whole_steps((center - (base + rest)).dot(d) / d.dot(d), step);
+    let origin = d.fused(slide, base) + (rest + ray.direction_low * slide);
+    PrimitiveRay { origin, direction: d, anchor: ray.anchor + slide }
+}
+
+/// `rows · v`.
+#[inline(always)]
+pub fn apply_rows<T: Real>(rows: &[Vector3<T>; 3], v: Vector3<T>) -> Vector3<T> {
+    Vector3 { x: rows[0].dot(v), y: rows[1].dot(v), z: rows[2].dot(v) }
+}

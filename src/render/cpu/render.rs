@@ -1,0 +1,101 @@
+//! Pictures: tiles over threads, samples over pixels.
+
+use super::camera::{pixel_ray, sample_offset};
+use super::hit::hit_normal;
+use super::ray_space::prepare;
+use super::shade::{Lights, Shading, shade_ray};
+use super::trace::first_hit;
+use crate::image::Film;
+use crate::render::{Camera, RenderOptions};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Rows per unit of work.
+const ROWS_PER_TILE: usize = 4;
+
+/// Pixels of one row.
+struct Row {
+    color: Vec<[f32; 4]>,
+    depth: Vec<f32>,
+    normal: Vec<[f32; 3]>,
+    part: Vec<u32>,
+    face: Vec<u32>,
+}
+
+/// Renders a picture; `progress` is told (done, total) units of work.
+///
+/// Deterministic: each pixel depends on its position and the options alone.
+pub fn render(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    options: &RenderOptions,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Film {
+    let [width, height] = options.resolution.map(|n| n as usize);
+    let tiles = height.div_ceil(ROWS_PER_TILE);
+    let done = AtomicUsize::new(0);
+    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let rows: Vec<Vec<Row>> = (0..tiles)
+        .into_par_iter()
+        .map(|tile| {
+            let last = height.min((tile + 1) * ROWS_PER_TILE);
+            let rows = (tile * ROWS_PER_TILE..last).map(|y| render_row(&shading, camera, y)).collect();
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, tiles);
+            rows
+        })
+        .collect();
+    let mut film = Film::new(width, height);
+    for (y, row) in rows.into_iter().flatten().enumerate() {
+        let range = y * width..(y + 1) * width;
+        film.color[range.clone()].copy_from_slice(&row.color);
+        film.depth[range.clone()].copy_from_slice(&row.depth);
+        film.normal[range.clone()].copy_from_slice(&row.normal);
+        film.part[range.clone()].copy_from_slice(&row.part);
+        film.face[range].copy_from_slice(&row.face);
+    }
+    film
+}
+
+fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
+    let resolution = shading.options.resolution;
+    let width = resolution[0] as usize;
+    let mut row = Row {
+        color: vec![[0.0; 4]; width],
+        depth: vec![f32::INFINITY; width],
+        normal: vec![[0.0; 3]; width],
+        part: vec![0; width],
+        face: vec![0; width],
+    };
+    for x in 0..width {
+        let pixel = (y * width + x) as u32;
+        row.color[x] = pixel_color(shading, camera, x, y, pixel);
+        let ray = pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5);
+        let Some(prepared) = prepare::<f32>(&ray, shading.scene.header) else { continue };
+        let Some(hit) = first_hit(shading.scene, &prepared.ray, prepared.near) else { continue };
+        let t = prepared.start + hit.distance.to_f64();
+        let normal = hit_normal(shading.scene, &hit);
+        let facing = if normal.dot(prepared.ray.direction) > 0.0 { -normal } else { normal };
+        row.depth[x] = (t * ray.direction.dot(camera.forward)) as f32;
+        row.normal[x] = facing.to_array();
+        row.part[x] = hit.instance + 1;
+        row.face[x] = hit.face + 1;
+    }
+    row
+}
+
+/// The mean of a pixel's samples.
+fn pixel_color(shading: &Shading<'_, '_>, camera: &Camera, x: usize, y: usize, pixel: u32) -> [f32; 4] {
+    let samples = shading.options.samples.max(1);
+    let mut sum = [0.0_f32; 4];
+    for sample in 0..samples {
+        let [across, down] = sample_offset(pixel, sample, samples);
+        let (px, py) = (x as f64 + f64::from(across), y as f64 + f64::from(down));
+        let ray = pixel_ray(camera, shading.options.resolution, px, py);
+        let color = shade_ray(shading, &ray, pixel, sample);
+        for k in 0..4 {
+            sum[k] += color[k];
+        }
+    }
+    sum.map(|c| c / samples as f32)
+}

@@ -1,0 +1,209 @@
+//! The look of a hit: a hemisphere of soft light, a key and a fill light that move with the camera, ambient occlusion.
+
+use super::camera::{hash, unit};
+use super::hit::hit_normal;
+use super::light::{
+    AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
+    OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
+};
+use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
+use super::trace::{RawHit, any_hit, first_hit};
+use super::vector::{Vector3, vec3};
+use crate::render::{Camera, Ray, RenderOptions};
+use crate::scene::{Material, NO_MATERIAL, Scene};
+
+/// See-through faces that a ray passes before it counts as blocked.
+const MAX_LAYERS: usize = 8;
+
+/// Directions of light in model space, fixed to the camera.
+#[derive(Debug, Clone, Copy)]
+pub struct Lights {
+    /// Towards the key light.
+    pub key: Vector3<f32>,
+    /// Towards the fill light.
+    pub fill: Vector3<f32>,
+    /// Where the sky is brightest.
+    pub up: Vector3<f32>,
+}
+
+/// All that shading needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Shading<'a, 's> {
+    /// What is looked at.
+    pub scene: &'a Scene<'s>,
+    /// The lights.
+    pub lights: Lights,
+    /// How to render.
+    pub options: &'a RenderOptions,
+}
+
+impl Lights {
+    /// The lights of a camera.
+    pub fn from_camera(camera: &Camera) -> Self {
+        let place = |from: [f64; 3]| {
+            let d = (camera.right * from[0] + camera.up * from[1] - camera.forward * from[2]).normalize();
+            Vector3::from_f64(d.to_array())
+        };
+        Self { key: place(KEY_FROM), fill: place(FILL_FROM), up: place([0.0, 1.0, 0.25]) }
+    }
+}
+
+/// The colour along a model-space ray: linear light, premultiplied, with coverage.
+pub fn shade_ray(shading: &Shading<'_, '_>, ray: &Ray, pixel: u32, sample: u32) -> [f32; 4] {
+    let scene = shading.scene;
+    let Some(prepared) = prepare::<f32>(ray, scene.header) else {
+        return [0.0; 4];
+    };
+    shade_layers(shading, &prepared, pixel, sample)
+}
+
+/// Front to back through see-through faces.
+fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u32, sample: u32) -> [f32; 4] {
+    let scene = shading.scene;
+    let mut near = prepared.near;
+    let mut color = [0.0_f32; 4];
+    for _ in 0..MAX_LAYERS {
+        let Some(hit) = first_hit(scene, &prepared.ray, near) else {
+            break;
+        };
+        let material = hit_material(scene, &hit);
+        let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
+        let left = (1.0 - color[3]) * material.opacity;
+        for k in 0..3 {
+            color[k] += lit[k] * left;
+        }
+        color[3] += left;
+        if color[3] > 0.995 {
+            let full = 1.0 / color[3];
+            return [color[0] * full, color[1] * full, color[2] * full, 1.0];
+        }
+        let skip = surface_offset(scene);
+        near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
+    }
+    color
+}
+
+/// The look of a hit: the occurrence's, else the face's.
+pub fn hit_material(scene: &Scene<'_>, hit: &RawHit<f32>) -> Material {
+    let of_instance = scene.instances[hit.instance as usize].material;
+    let index =
+        if of_instance == NO_MATERIAL { scene.faces[hit.face as usize].material } else { of_instance };
+    scene.materials[index as usize]
+}
+
+/// How far from a surface secondary rays start.
+fn surface_offset(scene: &Scene<'_>) -> f32 {
+    (scene_radius(scene.header) * SURFACE_OFFSET) as f32
+}
+
+/// The light that an opaque hit sends back along the ray.
+fn shade_hit(
+    shading: &Shading<'_, '_>,
+    ray: &WorldRay<f32>,
+    hit: &RawHit<f32>,
+    material: &Material,
+    pixel: u32,
+    sample: u32,
+) -> [f32; 3] {
+    let outward = hit_normal(shading.scene, hit);
+    let n = if outward.dot(ray.direction) > 0.0 { -outward } else { outward };
+    let open = if shading.options.ambient_occlusion {
+        openness(shading.scene, ray, hit, n, pixel, sample)
+    } else {
+        1.0
+    };
+    shade_surface(&shading.lights, n, -ray.direction, material, open)
+}
+
+/// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
+pub fn shade_surface(
+    lights: &Lights,
+    n: Vector3<f32>,
+    view: Vector3<f32>,
+    material: &Material,
+    open: f32,
+) -> [f32; 3] {
+    // The key and the fill are large soft boxes: what is enclosed sees less of them too, though not as much less.
+    let soft = 0.35 + 0.65 * open;
+    let key = n.dot(lights.key).max(0.0) * soft;
+    let fill = n.dot(lights.fill).max(0.0) * soft;
+    let sky = 0.5 + 0.5 * n.dot(lights.up);
+    let facing = n.dot(view).clamp(0.0, 1.0);
+    let grazing = (1.0 - facing) * (1.0 - facing);
+    let rim = grazing * grazing * (1.0 - facing) * open;
+    let gleam = specular(n, view, lights.key) * soft + 0.25 * specular(n, view, lights.fill) * soft;
+    let mut out = [0.0; 3];
+    for k in 0..3 {
+        let ambient = (AMBIENT_DOWN[k] + (AMBIENT_UP[k] - AMBIENT_DOWN[k]) * sky) * AMBIENT_WEIGHT * open;
+        let diffuse = ambient + key * KEY_COLOR[k] + fill * FILL_COLOR[k];
+        out[k] = material.rgb[k] * diffuse + gleam * KEY_COLOR[k] + rim * RIM_COLOR[k];
+    }
+    out
+}
+
+/// Blinn's highlight, normalised so that its energy does not depend on the gloss.
+fn specular(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>) -> f32 {
+    let half = view + light;
+    let length = half.length();
+    if length < 1e-6 || n.dot(light) <= 0.0 {
+        return 0.0;
+    }
+    let along = (n.dot(half) / length).max(0.0);
+    SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * along.powf(GLOSS) * n.dot(light)
+}
+
+/// The share of the sky seen from a hit, by one ray drawn from a cosine distribution; near blockers count more than far ones.
+fn openness(
+    scene: &Scene<'_>,
+    ray: &WorldRay<f32>,
+    hit: &RawHit<f32>,
+    n: Vector3<f32>,
+    pixel: u32,
+    sample: u32,
+) -> f32 {
+    let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
+    // The square root of a uniform number prefers far ends: short rays are the near, dark part of the falloff.
+    let reach = radius * unit(hash(pixel, sample, 4));
+    let direction = cosine_direction(n, unit(hash(pixel, sample, 2)), unit(hash(pixel, sample, 3)));
+    let offset = surface_offset(scene);
+    let probe = leave_surface(scene, ray, hit, n, direction, offset);
+    let near = Distance { anchor: 0.0, offset: 0.0 };
+    let far = Distance { anchor: 0.0, offset: reach };
+    if any_hit(scene, &probe, near, far) { 0.0 } else { 1.0 }
+}
+
+/// A ray from a hit, `offset` above the surface.
+fn leave_surface(
+    scene: &Scene<'_>,
+    ray: &WorldRay<f32>,
+    hit: &RawHit<f32>,
+    n: Vector3<f32>,
+    direction: Vector3<f32>,
+    offset: f32,
+) -> WorldRay<f32> {
+    let step = scene.header.grid_step as f32;
+    let base = super::frames::grid_position(ray.grid, step);
+    // The anchor is exact, the offset small: two fused steps.
+    let at_anchor = ray.direction.fused(hit.distance.anchor, base);
+    let rest = ray.fraction + ray.direction_low * hit.distance.anchor + ray.direction * hit.distance.offset;
+    let position = at_anchor + (rest + n * offset);
+    let whole =
+        vec3(whole_steps(position.x, step), whole_steps(position.y, step), whole_steps(position.z, step));
+    let steps = whole * (1.0 / step);
+    WorldRay {
+        grid: [steps.x as i32, steps.y as i32, steps.z as i32],
+        fraction: position - whole,
+        direction,
+        direction_low: Vector3::default(),
+    }
+}
+
+/// A direction about `n` with density cos θ / π: a uniform point of the unit sphere added to the normal.
+fn cosine_direction(n: Vector3<f32>, a: f32, b: f32) -> Vector3<f32> {
+    let z = 1.0 - 2.0 * a;
+    let across = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (b * std::f32::consts::TAU).sin_cos();
+    let sum = n + vec3(across * cos, across * sin, z);
+    let length = sum.length();
+    if length > 1e-3 { sum * (1.0 / length) } else { n }
+}

@@ -1,0 +1,158 @@
+//! Rays against tori, ring, horn and spindle.
+//!
+//! Ferrari's closed form loses half of f32's digits near tangents. Instead the line is cut at the zeros of the quartic's derivatives, found
+//! from the second derivative upwards; in each piece the quartic is monotone and has one root or none, which bracketed Newton steps find.
+//! All real roots are found, in order. The quartic itself is evaluated as the product of two differences that do not cancel,
+//! `((ρ − R)² + z² − r²) · ((ρ + R)² + z² − r²)` with ρ the distance from the axis; the coefficients serve the derivatives only.
+
+use super::analytic::Roots;
+use super::vector::{Vector3, number};
+use crate::numeric::Real;
+
+/// Newton steps and bisections per piece; a bisection each gains a bit, a Newton step doubles the digits.
+const MAX_STEPS: usize = 48;
+
+/// The quartic of a line, lengths in units of R + r.
+#[derive(Debug, Clone, Copy)]
+struct Quartic<T> {
+    origin: Vector3<T>,
+    direction: Vector3<T>,
+    major: T,
+    minor: T,
+    /// F' = 4 t³ + c2 t² + c1 t + c0.
+    c2: T,
+    c1: T,
+    c0: T,
+}
+
+/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included.
+pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) -> Roots<T> {
+    let mut roots = Roots::none();
+    let size = major + minor;
+    let length = d.length();
+    let direction = d * (T::ONE / length);
+    let origin = o * (T::ONE / size);
+    // The closest approach to the centre; outside the sphere and the slab around the torus there is nothing.
+    let slide = -origin.dot(direction);
+    let origin = direction.fused(slide, origin);
+    let chord = T::ONE - origin.dot(origin);
+    if !(chord >= T::ZERO) {
+        return roots;
+    }
+    let half = chord.sqrt() * number(1.0 + 1e-6) + number(1e-6);
+    let (mut from, mut to) = (-half, half);
+    let quartic = quartic(origin, direction, major / size, minor / size);
+    clip_to_slab(&mut from, &mut to, origin.z, direction.z, quartic.minor * number(1.0 + 1e-6));
+    if !(from < to) {
+        return roots;
+    }
+    let cuts = critical_points(&quartic, from, to);
+    let mut low = from;
+    for i in 0..=cuts.count {
+        let high = if i == cuts.count { to } else { cuts.t[i] };
+        if let Some(t) = root_between(low, high, |t| value(&quartic, t), |t| slope(&quartic, t)) {
+            roots.insert((t + slide) * size / length);
+        }
+        low = high;
+    }
+    roots
+}
+
+fn quartic<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) -> Quartic<T> {
+    let (two, four) = (number::<T>(2.0), number::<T>(4.0));
+    let b = o.dot(d);
+    let k = o.dot(o) + (major - minor) * (major + minor);
+    let r2 = major * major;
+    let a2 = d.x * d.x + d.y * d.y;
+    let b2 = o.x * d.x + o.y * d.y;
+    Quartic {
+        origin: o,
+        direction: d,
+        major,
+        minor,
+        c2: number::<T>(12.0) * b,
+        c1: two * (four * b * b + two * k - four * r2 * a2),
+        c0: four * b * k - number::<T>(8.0) * r2 * b2,
+    }
+}
+
+fn clip_to_slab<T: Real>(from: &mut T, to: &mut T, z: T, dz: T, half: T) {
+    if dz.abs() < number(1e-12) {
+        if z.abs() > half {
+            *to = *from;
+        }
+        return;
+    }
+    let (a, b) = ((-half - z) / dz, (half - z) / dz);
+    *from = from.max(a.min(b));
+    *to = to.min(a.max(b));
+}
+
+fn value<T: Real>(q: &Quartic<T>, t: T) -> T {
+    let p = q.origin + q.direction * t;
+    let across = (p.x * p.x + p.y * p.y).sqrt();
+    let squares = (p.z - q.minor) * (p.z + q.minor);
+    let (near, far) = (across - q.major, across + q.major);
+    (near * near + squares) * (far * far + squares)
+}
+
+fn slope<T: Real>(q: &Quartic<T>, t: T) -> T {
+    ((number::<T>(4.0) * t + q.c2) * t + q.c1) * t + q.c0
+}
+
+fn curvature<T: Real>(q: &Quartic<T>, t: T) -> T {
+    (number::<T>(12.0) * t + number::<T>(2.0) * q.c2) * t + q.c1
+}
+
+/// The zeros of the quartic's derivative strictly inside `(from, to)`.
+fn critical_points<T: Real>(q: &Quartic<T>, from: T, to: T) -> Roots<T> {
+    let mut inflections = Roots::none();
+    let discriminant = q.c2 * q.c2 - number::<T>(12.0) * q.c1;
+    if discriminant > T::ZERO {
+        let root = discriminant.sqrt();
+        for t in [(-q.c2 - root) / number(12.0), (-q.c2 + root) / number(12.0)] {
+            if t > from && t < to {
+                inflections.insert(t);
+            }
+        }
+    }
+    let mut critical = Roots::none();
+    let mut low = from;
+    for i in 0..=inflections.count {
+        let high = if i == inflections.count { to } else { inflections.t[i] };
+        if let Some(t) = root_between(low, high, |t| slope(q, t), |t| curvature(q, t)) {
+            critical.insert(t);
+        }
+        low = high;
+    }
+    critical
+}
+
+/// The zero of `f`, monotone between `low` and `high`; `None` where the signs at both ends agree. A zero at `low` counts, one at `high` does
+/// not: it belongs to the next piece.
+#[inline]
+fn root_between<T: Real>(low: T, high: T, f: impl Fn(T) -> T, derivative: impl Fn(T) -> T) -> Option<T> {
+    let (mut low, mut high) = (low, high);
+    let (f_low, f_high) = (f(low), f(high));
+    let rising = f_low < T::ZERO || (f_low == T::ZERO && f_high > T::ZERO);
+    if rising && !(f_high > T::ZERO) || !rising && !(f_high < T::ZERO) {
+        return None;
+    }
+    let mut t = low + (high - low) * (f_low / (f_low - f_high));
+    for _ in 0..MAX_STEPS {
+        let f_t = f(t);
+        if (f_t > T::ZERO) == rising {
+            high = t;
+        } else {
+            low = t;
+        }
+        let newton = t - f_t / derivative(t);
+        let next = if newton > low && newton < high { newton } else { low + (high - low) * number::<T>(0.5) };
+        let step = (next - t).abs();
+        t = next;
+        if step <= T::EPSILON * number(2.0) {
+            break;
+        }
+    }
+    Some(t)
+}

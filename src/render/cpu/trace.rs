@@ -1,0 +1,182 @@
+//! From a world ray to hits: the top BVH, the instances' BVHs, the primitives.
+
+use super::analytic::{carrier_parameters, carrier_roots, to_window};
+use super::bvh::{bvh_ray, next_primitive, start_walk};
+use super::frames::{FaceFrame, grid_position};
+use super::net::{leaf_domain, leaf_roots};
+use super::ray_space::{
+    Distance, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
+};
+use super::trim::trim_inside;
+use super::vector::number;
+use super::{Kernel, NO_NET};
+use crate::scene::Scene;
+use crate::scene::primitive::{Primitive, unpack};
+
+/// A hit as the kernels find it.
+#[derive(Debug, Clone, Copy)]
+pub struct RawHit<T> {
+    /// Along the world ray.
+    pub distance: Distance<T>,
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the face.
+    pub face: u32,
+    /// Index of the net, or [`NO_NET`].
+    pub net: u32,
+    /// Normalised face parameters; for nets local parameters of the net.
+    pub uv: [T; 2],
+}
+
+/// The first hit after `near`.
+pub fn first_hit<T: Kernel>(scene: &Scene<'_>, ray: &WorldRay<T>, near: Distance<T>) -> Option<RawHit<T>> {
+    let mut first = None;
+    trace(scene, ray, near, Distance::INFINITE, &mut |hit: RawHit<T>| {
+        first = Some(hit);
+        Some(hit.distance)
+    });
+    first
+}
+
+/// Whether anything lies between `near` and `far`.
+pub fn any_hit<T: Kernel>(scene: &Scene<'_>, ray: &WorldRay<T>, near: Distance<T>, far: Distance<T>) -> bool {
+    let mut found = false;
+    trace(scene, ray, near, far, &mut |_| {
+        found = true;
+        None
+    });
+    found
+}
+
+/// Visits hits between `near` and `far`, in no order. `accept` answers with the distance beyond which hits no longer matter, or `None` to
+/// stop.
+pub fn trace<T: Kernel>(
+    scene: &Scene<'_>,
+    ray: &WorldRay<T>,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+) {
+    let step = number::<T>(scene.header.grid_step);
+    let mut far = far;
+    let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
+    let mut instances = start_walk(scene.header.first_node, scene.header.node_count, 0);
+    loop {
+        let (from, to) = (near.from_anchor(T::ZERO), far.from_anchor(T::ZERO));
+        let Some(instance) = next_primitive(&mut instances, scene, &top, from, to) else {
+            return;
+        };
+        let Some(part_ray) = enter_instance(ray, &T::instance(scene, instance), step) else {
+            continue;
+        };
+        match trace_part(scene, &part_ray, instance, near, far, accept) {
+            Some(nearer) => far = nearer,
+            None => return,
+        }
+    }
+}
+
+/// The hits of one instance; the new `far`, or `None` to stop.
+fn trace_part<T: Kernel>(
+    scene: &Scene<'_>,
+    ray: &PartRay<T>,
+    instance: u32,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+) -> Option<Distance<T>> {
+    let part = &scene.parts[scene.instances[instance as usize].part as usize];
+    let mut far = far;
+    let boxes = bvh_ray(ray.near_origin, ray.direction);
+    let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
+    loop {
+        let (from, to) = (near.from_anchor(ray.near_anchor), far.from_anchor(ray.near_anchor));
+        let Some(word) = next_primitive(&mut primitives, scene, &boxes, from, to) else {
+            return Some(far);
+        };
+        far = match unpack(word) {
+            Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept)?,
+            Primitive::NetLeaf(leaf) => trace_leaf(scene, ray, instance, leaf, near, far, accept)?,
+        };
+    }
+}
+
+/// The hits of an analytic face.
+fn trace_face<T: Kernel>(
+    scene: &Scene<'_>,
+    part_ray: &PartRay<T>,
+    instance: u32,
+    index: u32,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+) -> Option<Distance<T>> {
+    let mut far = far;
+    let face: FaceFrame<T> = T::face(scene, index);
+    let ray = approach_frame(part_ray, &face, number(scene.header.grid_step));
+    let origin = apply_rows(&face.axes, ray.origin);
+    let direction = apply_rows(&face.axes, ray.direction);
+    let roots = carrier_roots(face.kind, origin, direction, face.radii);
+    for i in 0..roots.count {
+        let t = roots.t[i];
+        let distance = Distance { anchor: ray.anchor, offset: t };
+        if !(distance.minus(near) >= T::ZERO && distance.minus(far) < T::ZERO) {
+            continue;
+        }
+        let parameters = carrier_parameters(face.kind, origin + direction * t, face.radii);
+        let (u, u_inside) = to_window(parameters[0], face.uv_low[0], face.uv_scale[0], face.period[0]);
+        let (v, v_inside) = to_window(parameters[1], face.uv_low[1], face.uv_scale[1], face.period[1]);
+        if u_inside && v_inside && trim_inside(scene, scene.faces[index as usize].trim_root, [u, v]) {
+            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv: [u, v] })?;
+        }
+    }
+    Some(far)
+}
+
+/// The hits of a net leaf.
+fn trace_leaf<T: Kernel>(
+    scene: &Scene<'_>,
+    part_ray: &PartRay<T>,
+    instance: u32,
+    index: u32,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+) -> Option<Distance<T>> {
+    let mut far = far;
+    let leaf = &scene.net_leaves[index as usize];
+    let net = &scene.nets[leaf.net as usize];
+    let face = &scene.faces[net.face as usize];
+    let center = super::vector::Vector3::from_f32(leaf.center);
+    let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
+    let (from, to) = (near.from_anchor(ray.anchor), far.from_anchor(ray.anchor));
+    let roots = leaf_roots(scene, leaf, net, &ray, from, to);
+    for i in 0..roots.count {
+        let root = roots.root[i];
+        let distance = Distance { anchor: ray.anchor, offset: root.t };
+        if !(distance.minus(near) >= T::ZERO && distance.minus(far) < T::ZERO) {
+            continue;
+        }
+        // The leaf's own trim state holds on its own domain only.
+        let domain = leaf_domain::<T>(leaf);
+        let own = |k: usize| {
+            root.uv[k] >= domain.low[k] && root.uv[k] <= domain.low[k] + domain.size[k]
+                || domain.low[k] == T::ZERO && root.uv[k] < T::ZERO
+                || domain.low[k] + domain.size[k] == T::ONE && root.uv[k] > T::ONE
+        };
+        let trim = if own(0) && own(1) { leaf.trim } else { face.trim_root };
+        if trim_inside(scene, trim, face_parameters(net, face.period, root.uv)) {
+            far = accept(RawHit { distance, instance, face: net.face, net: leaf.net, uv: root.uv })?;
+        }
+    }
+    Some(far)
+}
+
+/// Normalised face parameters of a net's local ones, wrapped into the window.
+pub fn face_parameters<T: Kernel>(net: &crate::scene::Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
+    let axis = |k: usize| {
+        let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
+        to_window(p, T::ZERO, T::ONE, T::from_f32(period[k])).0
+    };
+    [axis(0), axis(1)]
+}

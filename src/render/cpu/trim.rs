@@ -1,0 +1,151 @@
+//! Whether a point of a face's parameter rectangle belongs to the face: a walk down the kd-tree, then the segments of one cell.
+//!
+//! The layout and the parity rule are those of [`crate::scene::trim_node`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
+//! between its ends decides most points; the others bisect the curve (Schollmeyer and Fröhlich 2009), each evaluation shrinking the box.
+
+use super::vector::number;
+use crate::numeric::Real;
+use crate::scene::trim_node::{FAR, MANY, PLANE_STEPS, TrimNode, unpack};
+use crate::scene::{Scene, TRIM_INSIDE, TrimSegment};
+
+/// Bisections of a curve piece: enough for f64's 52 bits.
+const MAX_BISECTIONS: usize = 52;
+
+/// Levels of a trim tree: each takes at least a word, and planes lie on a grid of 14 bits per axis and level.
+const MAX_LEVELS: usize = 64;
+
+/// Where a split plane lies: the same f32 operations at bake and here, so that both see the same cells.
+#[inline(always)]
+pub fn split_position(low: f32, size: f32, plane: u32) -> f32 {
+    low + plane as f32 / PLANE_STEPS as f32 * size
+}
+
+/// Whether `uv`, normalised and within the window, is inside the trims of the tree at `root`.
+pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
+    if root == TRIM_INSIDE {
+        return true;
+    }
+    let mut node = root as usize;
+    let mut low = [0.0_f32; 2];
+    let mut size = [1.0_f32; 2];
+    for _ in 0..MAX_LEVELS {
+        match unpack(scene.trim_nodes[node]) {
+            TrimNode::Inner { axis, plane, right } => {
+                let axis = axis as usize;
+                let split = split_position(low[axis], size[axis], plane);
+                let far = right == FAR;
+                if uv[axis] < T::from_f32(split) {
+                    size[axis] = split - low[axis];
+                    node += if far { 2 } else { 1 };
+                } else {
+                    size[axis] = low[axis] + size[axis] - split;
+                    low[axis] = split;
+                    node += if far { scene.trim_nodes[node + 1] } else { right } as usize;
+                }
+            }
+            TrimNode::Leaf { inside, count, first } => {
+                let base = scene.trim_nodes[root as usize - 1] + first;
+                let count = if count == MANY { scene.trim_nodes[node + 1] } else { count };
+                return leaf_parity(scene, inside, base, count, uv);
+            }
+        }
+    }
+    false
+}
+
+fn leaf_parity<T: Real>(scene: &Scene<'_>, corner: bool, first: u32, count: u32, uv: [T; 2]) -> bool {
+    let mut inside = corner;
+    for index in first..first + count {
+        let segment = &scene.trim_segments[index as usize];
+        inside ^= crosses(scene, segment, uv) != crosses_left_edge(segment, uv[1]);
+    }
+    inside
+}
+
+/// Whether the way along the cell's left edge up to `v` passes an odd number of the segment's ends.
+#[inline]
+fn crosses_left_edge<T: Real>(segment: &TrimSegment, v: T) -> bool {
+    let low = segment.flags & TrimSegment::LOW_ON_LEFT_EDGE != 0 && v >= T::from_f32(segment.low[1]);
+    let high = segment.flags & TrimSegment::HIGH_ON_LEFT_EDGE != 0 && v >= T::from_f32(segment.high[1]);
+    low != high
+}
+
+/// Whether the segment passes left of the point, at the point's v.
+#[inline]
+fn crosses<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> bool {
+    let low = segment.low.map(T::from_f32);
+    let high = segment.high.map(T::from_f32);
+    if !(uv[1] >= low[1] && uv[1] < high[1]) {
+        return false;
+    }
+    if uv[0] > low[0].max(high[0]) {
+        return true;
+    }
+    if uv[0] < low[0].min(high[0]) {
+        return false;
+    }
+    let degree = segment.flags & TrimSegment::DEGREE_MASK;
+    if degree <= 1 {
+        return line_at(low, high, uv[1]) < uv[0];
+    }
+    bisect(scene, segment, degree, low, high, uv)
+}
+
+/// u of the chord at `v`.
+#[inline(always)]
+fn line_at<T: Real>(low: [T; 2], high: [T; 2], v: T) -> T {
+    low[0] + (high[0] - low[0]) * ((v - low[1]) / (high[1] - low[1]))
+}
+
+fn bisect<T: Real>(
+    scene: &Scene<'_>,
+    segment: &TrimSegment,
+    degree: u32,
+    low: [T; 2],
+    high: [T; 2],
+    uv: [T; 2],
+) -> bool {
+    let (mut low, mut high) = (low, high);
+    let (mut t_low, mut t_high) = (T::from_f32(segment.t_low), T::from_f32(segment.t_high));
+    for _ in 0..MAX_BISECTIONS {
+        let t = (t_low + t_high) * number(0.5);
+        if t == t_low || t == t_high {
+            break;
+        }
+        let at = curve_point(scene, segment.curve, degree, t);
+        if at[1] <= uv[1] {
+            low = at;
+            t_low = t;
+        } else {
+            high = at;
+            t_high = t;
+        }
+        if uv[0] > low[0].max(high[0]) {
+            return true;
+        }
+        if uv[0] < low[0].min(high[0]) {
+            return false;
+        }
+    }
+    line_at(low, high, uv[1]) < uv[0]
+}
+
+/// The point of a rational Bézier curve by Horner's scheme in Bernstein form.
+#[inline]
+pub fn curve_point<T: Real>(scene: &Scene<'_>, first: u32, degree: u32, t: T) -> [T; 2] {
+    let point = |i: u32| scene.trim_points[(first + i) as usize].map(T::from_f32);
+    let s = T::ONE - t;
+    let mut factor = T::ONE;
+    let start = point(0);
+    let mut sum = [start[0] * s, start[1] * s, start[2] * s];
+    for i in 1..degree {
+        // binomial(n, i) tⁱ from the one before.
+        factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
+        let p = point(i);
+        sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
+    }
+    let power = factor * t / T::from_f32(degree as f32);
+    let p = point(degree);
+    let weight = sum[2] + p[2] * power;
+    [(sum[0] + p[0] * power) / weight, (sum[1] + p[1] * power) / weight]
+}

@@ -1,0 +1,144 @@
+//! A scene on the device: each array in a buffer of its own, bytes as they are.
+//!
+//! The Pod arrays of [`Scene`] are the buffers' contents without any conversion, mapped files included. WebGPU knows no empty
+//! binding, so an empty array becomes one zeroed element, which no index of a validated scene reaches.
+
+use super::{Gpu, GpuError};
+use crate::scene::Scene;
+use wgpu::util::DeviceExt;
+
+/// The arrays that the kernels read, in the order of their bindings in group 0.
+pub const SCENE_BINDINGS: [&str; 12] = [
+    "bvh_nodes",
+    "primitives",
+    "instances",
+    "parts",
+    "faces",
+    "nets",
+    "net_leaves",
+    "net_points",
+    "trim_nodes",
+    "trim_segments",
+    "trim_points",
+    "materials",
+];
+
+/// The longest record: what an empty array is replaced by.
+const DUMMY: [u8; 128] = [0; 128];
+
+/// An uploaded scene, and the one on the host that it mirrors.
+pub struct GpuScene<'a> {
+    pub(super) scene: Scene<'a>,
+    pub(super) bind_group: wgpu::BindGroup,
+    bytes: u64,
+}
+
+impl GpuScene<'_> {
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+impl Gpu {
+    /// Copies a validated scene to the device.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] where an array is longer than the device can bind, and the device's own errors.
+    pub fn upload<'a>(&self, scene: &Scene<'a>) -> Result<GpuScene<'a>, GpuError> {
+        let arrays = scene_arrays(scene);
+        let limits = self.device.limits();
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        for (name, bytes) in SCENE_BINDINGS.iter().zip(&arrays) {
+            if bytes.len() as u64 > most {
+                return Err(GpuError::TooLarge { array: name, bytes: bytes.len() as u64, most });
+            }
+        }
+        let buffers: Vec<wgpu::Buffer> = SCENE_BINDINGS
+            .iter()
+            .zip(&arrays)
+            .map(|(name, bytes)| {
+                self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some(name),
+                    contents: if bytes.is_empty() { &DUMMY } else { bytes },
+                    usage: wgpu::BufferUsages::STORAGE,
+                })
+            })
+            .collect();
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+            .zip(&buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scene"),
+            layout: &self.kernels.scene_layout,
+            entries: &entries,
+        });
+        self.check()?;
+        let bytes = buffers.iter().map(wgpu::Buffer::size).sum();
+        Ok(GpuScene { scene: *scene, bind_group, bytes })
+    }
+
+    /// A buffer for the kernels to write and the host to read.
+    pub(super) fn create_output(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Copies the first `count` elements of an output buffer to the host.
+    pub(super) fn read<T: bytemuck::Pod>(
+        &self,
+        buffer: &wgpu::Buffer,
+        count: usize,
+    ) -> Result<Vec<T>, GpuError> {
+        let size = (count * size_of::<T>()) as u64;
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+        let mapped = std::sync::Arc::new(std::sync::OnceLock::new());
+        let commands = encoder.finish();
+        self.check()?;
+        self.run(commands)?;
+        let outcome = std::sync::Arc::clone(&mapped);
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            let _ = outcome.set(result);
+        });
+        self.run(self.device.create_command_encoder(&Default::default()).finish())?;
+        match mapped.get() {
+            Some(Ok(())) => {}
+            Some(Err(error)) => return Err(GpuError::Lost(error.to_string())),
+            None => return Err(GpuError::Lost("a buffer was not mapped".to_owned())),
+        }
+        let view = staging.slice(..).get_mapped_range().map_err(|error| GpuError::Lost(error.to_string()))?;
+        let mut values = vec![T::zeroed(); count];
+        bytemuck::cast_slice_mut::<T, u8>(&mut values).copy_from_slice(&view);
+        Ok(values)
+    }
+}
+
+fn scene_arrays<'a>(scene: &Scene<'a>) -> [&'a [u8]; 12] {
+    [
+        bytemuck::cast_slice(scene.bvh_nodes),
+        bytemuck::cast_slice(scene.primitives),
+        bytemuck::cast_slice(scene.instances),
+        bytemuck::cast_slice(scene.parts),
+        bytemuck::cast_slice(scene.faces),
+        bytemuck::cast_slice(scene.nets),
+        bytemuck::cast_slice(scene.net_leaves),
+        bytemuck::cast_slice(scene.net_points),
+        bytemuck::cast_slice(scene.trim_nodes),
+        bytemuck::cast_slice(scene.trim_segments),
+        bytemuck::cast_slice(scene.trim_points),
+        bytemuck::cast_slice(scene.materials),
+    ]
+}

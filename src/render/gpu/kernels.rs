@@ -1,0 +1,228 @@
+//! The kernels: WGSL files put together, one pipeline for each entry file and specialisation.
+//!
+//! A source text is a generated prelude of constants, `types.wgsl`, an entry file with the bindings and entry points, and the
+//! function files, which are the twins of `render/cpu`. WGSL does not mind the order of declarations, so nothing is ever included
+//! from within. The prelude states what a scene needs: degrees size the local arrays, and a kind of surface that a scene lacks is
+//! a constant `false` that the driver removes with all that hangs on it.
+
+use super::{Gpu, GpuError};
+use crate::render::gpu::buffers::SCENE_BINDINGS;
+use crate::scene::{Face, FaceKind, Header, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node};
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::sync::{Mutex, PoisonError};
+
+/// Invocations in a workgroup.
+pub const WORKGROUP_SIZE: u32 = 64;
+
+/// An entry file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Entry {
+    /// Pictures.
+    Render,
+    /// Hits of given rays.
+    Probe,
+}
+
+impl Entry {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Render, Self::Probe];
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Render => include_str!("../../../shaders/entry/render.wgsl"),
+            Self::Probe => include_str!("../../../shaders/entry/probe.wgsl"),
+        }
+    }
+
+    /// The storage buffers of group 1 after the uniform of binding 0; whether each is only read.
+    fn storage_is_read_only(self) -> &'static [bool] {
+        match self {
+            Self::Render => &[false, false],
+            Self::Probe => &[true, false, false],
+        }
+    }
+}
+
+/// The function files: name and text.
+pub const FUNCTION_FILES: [(&str, &str); 8] = [
+    ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
+    ("bvh", include_str!("../../../shaders/bvh.wgsl")),
+    ("analytic", include_str!("../../../shaders/analytic.wgsl")),
+    ("net", include_str!("../../../shaders/net.wgsl")),
+    ("trim", include_str!("../../../shaders/trim.wgsl")),
+    ("trace", include_str!("../../../shaders/trace.wgsl")),
+    ("shade", include_str!("../../../shaders/shade.wgsl")),
+    ("camera", include_str!("../../../shaders/camera.wgsl")),
+];
+
+/// What a scene asks of the kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Specialisation {
+    /// As in [`Header`].
+    pub max_net_degree: u32,
+    /// As in [`Header`].
+    pub max_trim_degree: u32,
+    /// As in [`Header`].
+    pub feature_mask: u32,
+}
+
+impl Specialisation {
+    /// That of a scene.
+    pub fn of(header: &Header) -> Self {
+        Self {
+            max_net_degree: header.max_net_degree,
+            max_trim_degree: header.max_trim_degree,
+            feature_mask: header.feature_mask,
+        }
+    }
+
+    fn has(&self, kind: FaceKind) -> bool {
+        self.feature_mask >> kind as u32 & 1 == 1
+    }
+}
+
+/// The whole text of a kernel.
+pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
+    let mut text = prelude(specialisation);
+    text.push_str(include_str!("../../../shaders/types.wgsl"));
+    text.push_str(entry.text());
+    for (_, functions) in FUNCTION_FILES {
+        text.push_str(functions);
+    }
+    text
+}
+
+/// The constants that Rust owns.
+fn prelude(specialisation: &Specialisation) -> String {
+    let words: [(&str, u32); 15] = [
+        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("MAX_NET_DEGREE", specialisation.max_net_degree.max(1)),
+        ("MAX_TRIM_DEGREE", specialisation.max_trim_degree.max(1)),
+        ("REVERSED", Face::REVERSED),
+        ("NO_MATERIAL", NO_MATERIAL),
+        ("TRIM_INSIDE", TRIM_INSIDE),
+        ("NET_LEAF_BIT", primitive::NET_LEAF_BIT),
+        ("LOW_ON_LEFT_EDGE", TrimSegment::LOW_ON_LEFT_EDGE),
+        ("HIGH_ON_LEFT_EDGE", TrimSegment::HIGH_ON_LEFT_EDGE),
+        ("DEGREE_MASK", TrimSegment::DEGREE_MASK),
+        ("LEAF_BIT", trim_node::LEAF_BIT),
+        ("PLANE_STEPS", trim_node::PLANE_STEPS),
+        ("FAR", trim_node::FAR),
+        ("MANY", trim_node::MANY),
+        ("STACK_SIZE", 32),
+    ];
+    let mut text = String::new();
+    for (name, value) in words {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "const {name}: u32 = {value}u;");
+    }
+    for (name, kind) in KINDS {
+        let _ = writeln!(text, "const {name}: u32 = {}u;", kind as u32);
+        let _ = writeln!(text, "const HAS_{name}: bool = {};", specialisation.has(kind));
+    }
+    text
+}
+
+const KINDS: [(&str, FaceKind); 6] = [
+    ("PLANE", FaceKind::Plane),
+    ("CYLINDER", FaceKind::Cylinder),
+    ("CONE", FaceKind::Cone),
+    ("SPHERE", FaceKind::Sphere),
+    ("TORUS", FaceKind::Torus),
+    ("NETS", FaceKind::Nets),
+];
+
+/// Layouts and the pipelines made so far.
+pub(super) struct Kernels {
+    pub(super) scene_layout: wgpu::BindGroupLayout,
+    entry_layouts: [wgpu::BindGroupLayout; Entry::ALL.len()],
+    pipelines: Mutex<HashMap<(Entry, &'static str, Specialisation), wgpu::ComputePipeline>>,
+}
+
+impl Kernels {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let read_only: Vec<_> =
+            (0..).zip(SCENE_BINDINGS).map(|(binding, _)| storage(binding, true)).collect();
+        Self {
+            scene_layout: layout(device, "scene", &read_only),
+            entry_layouts: Entry::ALL.map(|entry| {
+                let mut entries = vec![uniform(0)];
+                entries.extend(
+                    (1..).zip(entry.storage_is_read_only()).map(|(binding, &only)| storage(binding, only)),
+                );
+                layout(device, "entry", &entries)
+            }),
+            pipelines: Mutex::new(HashMap::new()),
+        }
+    }
+
+    pub(super) fn entry_layout(&self, entry: Entry) -> &wgpu::BindGroupLayout {
+        &self.entry_layouts[entry as usize]
+    }
+}
+
+impl Gpu {
+    /// The pipeline of one entry point, compiled at its first use.
+    pub(super) fn pipeline(
+        &self,
+        entry: Entry,
+        entry_point: &'static str,
+        specialisation: Specialisation,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let key = (entry, entry_point, specialisation);
+        let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = pipelines.get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(entry_point),
+            source: wgpu::ShaderSource::Wgsl(source(entry, &specialisation).into()),
+        });
+        self.check()?;
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(entry_point),
+            bind_group_layouts: &[Some(&self.kernels.scene_layout), Some(self.kernels.entry_layout(entry))],
+            immediate_size: 0,
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        self.check()?;
+        pipelines.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    entries: &[wgpu::BindGroupLayoutEntry],
+) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+}
+
+fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
+    buffer(binding, wgpu::BufferBindingType::Storage { read_only })
+}
+
+fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    buffer(binding, wgpu::BufferBindingType::Uniform)
+}
+
+fn buffer(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    }
+}
