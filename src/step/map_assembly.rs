@@ -50,8 +50,14 @@ struct Assembly {
     order: Vec<u64>,
     representations: HashMap<u64, Representation>,
     groups: Groups,
+    /// Which items each representation has.
+    items: HashSet<(u64, u64)>,
     /// Product definition by representation.
     products: HashMap<u64, u64>,
+    /// The representations of each group, in the order of mapping.
+    members: HashMap<u64, Vec<u64>>,
+    /// Which product definitions each group describes.
+    described: HashSet<(u64, u64)>,
     /// Relationships that place something without an occurrence.
     placing: Vec<u64>,
     parts: HashMap<u64, Id<Part>>,
@@ -66,7 +72,10 @@ impl Assembly {
             order: Vec::new(),
             representations: HashMap::new(),
             groups: Groups::default(),
+            items: HashSet::new(),
             products: HashMap::new(),
+            members: HashMap::new(),
+            described: HashSet::new(),
             placing: Vec::new(),
             parts: HashMap::new(),
             units: HashMap::new(),
@@ -84,6 +93,11 @@ impl Assembly {
             assembly.include(reader, id);
         }
         assembly.relate(reader, catalog);
+        for &id in &assembly.order {
+            let group = assembly.groups.find(id);
+            assembly.members.entry(group).or_default().push(id);
+            assembly.described.extend(assembly.products.get(&id).map(|&product| (group, product)));
+        }
         assembly
     }
 
@@ -104,6 +118,7 @@ impl Assembly {
                 }
             }
             self.order.push(id);
+            self.items.extend(representation.items.iter().map(|&item| (id, item)));
             self.representations.insert(id, representation);
         }
     }
@@ -135,16 +150,15 @@ impl Assembly {
         if let Some(&part) = self.parts.get(&group) {
             return part;
         }
-        let members = self.order.iter().copied().filter(|&r| self.groups.find(r) == group);
         let (mut name, mut entity) = (String::new(), representation);
-        let members: Vec<u64> = members.collect();
+        let members = self.members.get(&group).map_or(&[][..], Vec::as_slice);
         let of_product = members.iter().find_map(|r| self.products.get(r));
         if let Some(&product) = of_product {
             name = product_name(reader, product).unwrap_or_default();
             entity = product;
         }
         if name.is_empty() {
-            name = members.iter().map(|r| self.representations[r].name.clone()).find(|n| !n.is_empty()).unwrap_or_default();
+            name = members.iter().map(|r| &self.representations[r].name).find(|n| !n.is_empty()).cloned().unwrap_or_default();
         }
         let part = reader.model.parts.push(Part { name, entity, ..Part::default() });
         self.parts.insert(group, part);
@@ -168,9 +182,8 @@ impl Assembly {
         for at in 0..self.order.len() {
             let id = self.order[at];
             let Representation { items, context, .. } = self.representations[&id].clone();
-            let is_body = |item: &u64| is_body(reader, *item);
-            let bodies: Vec<u64> = items.iter().copied().filter(is_body).collect();
-            for &item in items.iter().filter(|item| !bodies.contains(item)) {
+            let (bodies, others): (Vec<u64>, Vec<u64>) = items.into_iter().partition(|&item| is_body(reader, item));
+            for item in others {
                 report_other_shape(reader, item);
             }
             if bodies.is_empty() {
@@ -312,7 +325,7 @@ impl Assembly {
         let items = [reference(id, record, 2)?, reference(id, record, 3)?];
         let (mut in_child, mut in_parent) = if first_is_child { (items[0], items[1]) } else { (items[1], items[0]) };
         // The items belong to their representations; where they are given the other way round, they say so themselves.
-        let holds = |r: u64, item: u64| self.representations.get(&r).is_some_and(|r| r.items.contains(&item));
+        let holds = |representation: u64, item: u64| self.items.contains(&(representation, item));
         let as_given = holds(child, in_child) && holds(parent, in_parent);
         if !as_given && holds(child, in_parent) && holds(parent, in_child) {
             std::mem::swap(&mut in_child, &mut in_parent);
@@ -349,10 +362,7 @@ impl Assembly {
 
     /// Whether a representation's group describes product definition `product`.
     fn belongs(&mut self, representation: u64, product: u64) -> bool {
-        let group = self.groups.find(representation);
-        let of_product: Vec<u64> =
-            self.products.iter().filter(|&(_, &p)| p == product).map(|(&r, _)| r).collect();
-        of_product.into_iter().any(|r| self.groups.find(r) == group)
+        self.described.contains(&(self.groups.find(representation), product))
     }
 
     /// Bodies that no representation of a product reached: a part of their own where nothing else was found, else a finding.
@@ -485,26 +495,40 @@ fn transformation(entity: &Entity) -> Option<u64> {
     last.reference().or_else(|| last.list()?.first()?.reference())
 }
 
-/// The parts that no other part places; and, of circles that nothing else reaches, one part each.
+/// The parts that no other part places; and, of circles that nothing else reaches, one part each. Trees without any body are
+/// left out.
 fn find_roots(reader: &mut Reader) {
     let model = &mut reader.model;
-    let placed: HashSet<Id<Part>> = model.parts.iter().flat_map(|p| p.children.iter().map(|c| c.part)).collect();
+    let mut parents: HashMap<Id<Part>, Vec<Id<Part>>> = HashMap::new();
+    for id in model.parts.ids() {
+        for child in &model.parts[id].children {
+            parents.entry(child.part).or_default().push(id);
+        }
+    }
+    let with_bodies = |id: &Id<Part>| !model.parts[*id].bodies.is_empty();
+    let shaped = closure(model.parts.ids().filter(with_bodies), |id| parents.get(&id).cloned().unwrap_or_default());
     let mut reached = HashSet::new();
     for circles in [false, true] {
-        for id in model.parts.ids() {
-            let part = &model.parts[id];
-            let is_root = if circles { !part.bodies.is_empty() } else { !placed.contains(&id) };
-            let is_empty = part.bodies.is_empty() && part.children.is_empty();
-            if !is_root || is_empty || reached.contains(&id) {
-                continue;
-            }
-            model.roots.push(id);
-            let mut waiting = vec![id];
-            while let Some(id) = waiting.pop() {
-                if reached.insert(id) {
-                    waiting.extend(model.parts[id].children.iter().map(|c| c.part));
-                }
+        for id in model.parts.ids().filter(|id| shaped.contains(id)) {
+            let is_root = if circles { with_bodies(&id) } else { !parents.contains_key(&id) };
+            if is_root && !reached.contains(&id) {
+                model.roots.push(id);
+                reached.extend(closure([id].into_iter(), |id| {
+                    model.parts[id].children.iter().map(|c| c.part).collect()
+                }));
             }
         }
     }
+}
+
+/// Everything that `next` leads to from `start`, itself included.
+fn closure(start: impl Iterator<Item = Id<Part>>, next: impl Fn(Id<Part>) -> Vec<Id<Part>>) -> HashSet<Id<Part>> {
+    let mut waiting: Vec<Id<Part>> = start.collect();
+    let mut reached = HashSet::new();
+    while let Some(id) = waiting.pop() {
+        if reached.insert(id) {
+            waiting.extend(next(id));
+        }
+    }
+    reached
 }

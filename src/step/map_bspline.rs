@@ -51,7 +51,7 @@ pub fn curve(reader: &Reader, entity: &Entity) -> Mapped<BsplineCurve<Homogeneou
     let (degree, ids, knots, weights) = curve_parts(entity)?;
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
-        points.push(Homogeneous3::new(reader.point(*id)?, weight));
+        points.push(Homogeneous::new(reader.point(*id)?, weight));
     }
     BsplineCurve::new(degree, knots, points).map_err(|error| problem(entity, error.to_string()))
 }
@@ -62,7 +62,7 @@ pub fn curve2(reader: &Reader, entity: &Entity, scale: DVec2) -> Mapped<BsplineC
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
         let point = reader.point(*id)? / reader.units.millimetres;
-        points.push(Homogeneous2::new(point.truncate() * scale, weight));
+        points.push(Homogeneous::new(point.truncate() * scale, weight));
     }
     BsplineCurve::new(degree, knots, points).map_err(|error| problem(entity, error.to_string()))
 }
@@ -114,7 +114,7 @@ pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<BsplineSurface> {
         }
         for (value, weight) in row.iter().zip(row_weights) {
             let id = value.reference().ok_or_else(|| problem(entity, "a control point is no reference"))?;
-            points.push(Homogeneous3::new(reader.point(id)?, weight));
+            points.push(Homogeneous::new(reader.point(id)?, weight));
         }
     }
     let counts = [rows.len(), count_v];

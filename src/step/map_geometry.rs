@@ -179,7 +179,7 @@ impl Reader<'_> {
     fn polyline(&self, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
         let mut points = Vec::new();
         for id in entity.first().references(1) {
-            points.push(Homogeneous3::new(self.point(id)?, 1.0));
+            points.push(Homogeneous::new(self.point(id)?, 1.0));
         }
         let last = points.len().saturating_sub(1);
         let knots = (0..points.len() + 2).map(|i| i.saturating_sub(1).min(last) as f64).collect();

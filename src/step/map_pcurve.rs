@@ -6,6 +6,15 @@ use crate::brep::Pcurve;
 use crate::geometry::{BsplineCurve, Curve, Curve2, Surface};
 use glam::DVec2;
 
+/// Surfaces whose parameters are not kept.
+const RESHAPED: [&str; 5] = [
+    "SURFACE_OF_LINEAR_EXTRUSION",
+    "SURFACE_OF_REVOLUTION",
+    "RECTANGULAR_TRIMMED_SURFACE",
+    "CURVE_BOUNDED_SURFACE",
+    "SURFACE_REPLICA",
+];
+
 impl Reader<'_> {
     /// The pcurves among `ids` whose surface is mapped and keeps its parameters, made to run with `curve`'s parameter.
     pub fn pcurves(&mut self, ids: &[u64], curve: &Curve) -> Vec<Pcurve> {
@@ -15,7 +24,12 @@ impl Reader<'_> {
     fn pcurve(&mut self, id: u64, curve: &Curve) -> Mapped<Option<Pcurve>> {
         let entity = self.entity(id)?;
         let Some(record) = entity.record("PCURVE") else { return Ok(None) };
-        let SurfaceUse { id: surface, keeps_parameters, .. } = self.surface(reference(id, record, 1)?, &[])?;
+        let basis = self.referred(id, record, 1)?;
+        // What a swept surface becomes depends on the face, and its parameters are not kept.
+        if RESHAPED.contains(&&*basis.first().keyword) {
+            return Ok(None);
+        }
+        let SurfaceUse { id: surface, keeps_parameters, .. } = self.surface(basis.id, &[])?;
         if !keeps_parameters {
             return Ok(None);
         }
