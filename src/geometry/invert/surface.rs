@@ -164,7 +164,7 @@ fn samples(knots: &KnotVector) -> Vec<f64> {
 
 /// A local minimum of the distance, reached downhill from `start`.
 fn polish(surface: &BsplineSurface, cell: &Cell, point: DVec3, start: DVec2) -> Inversion {
-    let (domain, size) = (surface.domain(), surface.size());
+    let domain = surface.domain();
     let lengths = domain.max - domain.min;
     let ParameterBox { min, max } = cell.range;
     let limit = |uv: DVec2| {
@@ -206,6 +206,7 @@ fn polish(surface: &BsplineSurface, cell: &Cell, point: DVec3, start: DVec2) -> 
         };
         let Some((next_uv, next, next_squared)) = advanced else { break };
         let moved = here.du * (next_uv.x - uv.x) + here.dv * (next_uv.y - uv.y);
+        let size = here.point.length() + here.du.length() * lengths.x + here.dv.length() * lengths.y;
         (uv, here, squared) = (next_uv, next, next_squared);
         if finished(moved.length(), moved_before, size) {
             break;
