@@ -48,7 +48,8 @@ enum Format {
 /// Reads a CAD file of any known format; its contents decide, not its name.
 pub fn import(path: &Path) -> Result<Model, ImportError> {
     let bytes = std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
-    let unsupported = |what: &str| Err(ImportError::Unsupported { path: path.to_owned(), what: what.to_owned() });
+    let unsupported =
+        |what: &str| Err(ImportError::Unsupported { path: path.to_owned(), what: what.to_owned() });
     match sniff(&bytes) {
         Format::Step => {
             step::read(&bytes).map_err(|source| ImportError::Step { path: path.to_owned(), source })

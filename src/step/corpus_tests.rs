@@ -9,7 +9,8 @@ use std::time::Instant;
 /// Real STEP files with their contents; empty, with a word about it, where there are none.
 fn corpus() -> Vec<(PathBuf, Vec<u8>)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus");
-    let root = if root.is_dir() { root } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus") };
+    let root =
+        if root.is_dir() { root } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus") };
     let mut files = Vec::new();
     let mut folders = vec![root.clone()];
     while let Some(folder) = folders.pop() {
@@ -103,7 +104,9 @@ fn with_ruststep(text: &str) -> Option<Vec<(u64, Vec<String>)>> {
         .flat_map(|section| section.entities)
         .map(|entity| match entity {
             EntityInstance::Simple { id, record } => (id, vec![record.name]),
-            EntityInstance::Complex { id, subsuper } => (id, subsuper.0.into_iter().map(|r| r.name).collect()),
+            EntityInstance::Complex { id, subsuper } => {
+                (id, subsuper.0.into_iter().map(|r| r.name).collect())
+            }
         })
         .collect();
     entities.sort();
@@ -113,7 +116,8 @@ fn with_ruststep(text: &str) -> Option<Vec<(u64, Vec<String>)>> {
 
 fn with_ours(text: &str) -> Vec<(u64, Vec<String>)> {
     let index = scan::index(text.as_bytes());
-    let decoded = index.statements.iter().filter_map(|s| value::decode(index.bytes, s.id, s.body.clone()).ok());
+    let decoded =
+        index.statements.iter().filter_map(|s| value::decode(index.bytes, s.id, s.body.clone()).ok());
     decoded.map(|e| (e.id, e.records.iter().map(|r| r.keyword.to_string()).collect())).collect()
 }
 

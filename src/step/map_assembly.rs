@@ -26,8 +26,20 @@ struct Representation {
 
 /// Keywords of items that hold shape in a form that is not read, by what they contain.
 const OTHER_SHAPES: [&str; 14] = [
-    "TESSELLATED", "SOLID", "SURFACE", "BREP", "CSG", "BOOLEAN", "BLOCK", "WEDGE", "SPHERE", "CYLINDER", "CONE", "TORUS",
-    "SHELL", "TRIANGULATED",
+    "TESSELLATED",
+    "SOLID",
+    "SURFACE",
+    "BREP",
+    "CSG",
+    "BOOLEAN",
+    "BLOCK",
+    "WEDGE",
+    "SPHERE",
+    "CYLINDER",
+    "CONE",
+    "TORUS",
+    "SHELL",
+    "TRIANGULATED",
 ];
 
 /// Maps everything that the file's product structure reaches, then everything else.
@@ -110,8 +122,11 @@ impl Assembly {
             }
             let Ok(entity) = reader.entity(id) else { continue };
             let record = entity.record("REPRESENTATION").unwrap_or(entity.first());
-            let representation =
-                Representation { name: record.text(0), items: record.references(1), context: record.reference(2) };
+            let representation = Representation {
+                name: record.text(0),
+                items: record.references(1),
+                context: record.reference(2),
+            };
             for &item in &representation.items {
                 if keyword_of(reader, item) == "MAPPED_ITEM" {
                     waiting.extend(mapped_representation(reader, item).ok().map(|(_, mapped, _)| mapped));
@@ -133,9 +148,11 @@ impl Assembly {
         for &id in catalog.relationships.iter().filter(|id| !of_occurrences.contains(id)) {
             let Ok(entity) = reader.entity(id) else { continue };
             let Some([first, second]) = related(&entity) else { continue };
-            let both_known = self.representations.contains_key(&first) && self.representations.contains_key(&second);
+            let both_known =
+                self.representations.contains_key(&first) && self.representations.contains_key(&second);
             let products = [first, second].map(|r| self.products.get(&r));
-            let of_two_products = products[0].is_some() && products[1].is_some() && products[0] != products[1];
+            let of_two_products =
+                products[0].is_some() && products[1].is_some() && products[0] != products[1];
             if transformation(&entity).is_some() || (of_two_products && both_known) {
                 self.placing.push(id);
             } else if both_known {
@@ -158,7 +175,12 @@ impl Assembly {
             entity = product;
         }
         if name.is_empty() {
-            name = members.iter().map(|r| &self.representations[r].name).find(|n| !n.is_empty()).cloned().unwrap_or_default();
+            name = members
+                .iter()
+                .map(|r| &self.representations[r].name)
+                .find(|n| !n.is_empty())
+                .cloned()
+                .unwrap_or_default();
         }
         let part = reader.model.parts.push(Part { name, entity, ..Part::default() });
         self.parts.insert(group, part);
@@ -182,7 +204,8 @@ impl Assembly {
         for at in 0..self.order.len() {
             let id = self.order[at];
             let Representation { items, context, .. } = self.representations[&id].clone();
-            let (bodies, others): (Vec<u64>, Vec<u64>) = items.into_iter().partition(|&item| is_body(reader, item));
+            let (bodies, others): (Vec<u64>, Vec<u64>) =
+                items.into_iter().partition(|&item| is_body(reader, item));
             for item in others {
                 report_other_shape(reader, item);
             }
@@ -255,8 +278,8 @@ impl Assembly {
         let occurrence = reader.referred(shape.id, shape.first(), 2)?;
         let usage = occurrence.first();
         let (parent_product, child_product) = (usage.reference(3), usage.reference(4));
-        let [first, second] =
-            related(&relationship).ok_or_else(|| problem(&relationship, "two representations are not related"))?;
+        let [first, second] = related(&relationship)
+            .ok_or_else(|| problem(&relationship, "two representations are not related"))?;
         let of = |assembly: &mut Self, representation: u64, product: Option<u64>| {
             product.is_some_and(|product| assembly.belongs(representation, product))
         };
@@ -302,7 +325,10 @@ impl Assembly {
             None => DAffine3::IDENTITY,
             Some(id) => self.relative_placement(reader, id, child, parent, first_is_child)?,
         };
-        self.place(reader, Placement { parent, child, parent_from_child, name, color, entity: relationship.id })
+        self.place(
+            reader,
+            Placement { parent, child, parent_from_child, name, color, entity: relationship.id },
+        )
     }
 
     /// The matrix of an ITEM_DEFINED_TRANSFORMATION or an operator.
@@ -323,7 +349,8 @@ impl Assembly {
             return Ok(if first_is_child { second_from_first } else { second_from_first.inverse() });
         };
         let items = [reference(id, record, 2)?, reference(id, record, 3)?];
-        let (mut in_child, mut in_parent) = if first_is_child { (items[0], items[1]) } else { (items[1], items[0]) };
+        let (mut in_child, mut in_parent) =
+            if first_is_child { (items[0], items[1]) } else { (items[1], items[0]) };
         // The items belong to their representations; where they are given the other way round, they say so themselves.
         let holds = |representation: u64, item: u64| self.items.contains(&(representation, item));
         let as_given = holds(child, in_child) && holds(parent, in_parent);
@@ -393,7 +420,10 @@ impl Assembly {
         let mut bodies = catalog.bodies.clone();
         bodies.sort_by_key(|&id| {
             let keyword = keyword_of(reader, id);
-            BODY_KEYWORDS.iter().position(|k| *k == keyword).map_or(0, |rank| usize::from(rank > 2) + usize::from(rank > 4))
+            BODY_KEYWORDS
+                .iter()
+                .position(|k| *k == keyword)
+                .map_or(0, |rank| usize::from(rank > 2) + usize::from(rank > 4))
         });
         for id in bodies {
             match reader.body(id, styles, None) {
@@ -402,7 +432,8 @@ impl Assembly {
             }
         }
         if !part.bodies.is_empty() {
-            let reason = format!("{} bodies stand outside of any product; imported as one part", part.bodies.len());
+            let reason =
+                format!("{} bodies stand outside of any product; imported as one part", part.bodies.len());
             reader.report(Severity::Note, Problem { entity: 0, kind: "PRODUCT".into(), reason });
             reader.model.parts.push(part);
         }
@@ -448,7 +479,10 @@ fn report_other_shape(reader: &mut Reader, id: u64) {
         let reason = "surfaces and curves without topology are left out".into();
         reader.report(Severity::Note, Problem { entity: id, kind, reason });
     } else if OTHER_SHAPES.iter().any(|word| kind.contains(word)) {
-        reader.report(Severity::Dropped, Problem { entity: id, kind, reason: "this kind of shape is not read".into() });
+        reader.report(
+            Severity::Dropped,
+            Problem { entity: id, kind, reason: "this kind of shape is not read".into() },
+        );
     }
 }
 
@@ -490,7 +524,10 @@ fn related(entity: &Entity) -> Option<[u64; 2]> {
 
 /// The transformation of a relationship that has one.
 fn transformation(entity: &Entity) -> Option<u64> {
-    let record = entity.records.iter().find(|r| r.keyword.ends_with("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"))?;
+    let record = entity
+        .records
+        .iter()
+        .find(|r| r.keyword.ends_with("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"))?;
     let last = record.parameters.last()?;
     last.reference().or_else(|| last.list()?.first()?.reference())
 }
@@ -506,29 +543,31 @@ fn find_roots(reader: &mut Reader) {
         }
     }
     let with_bodies = |id: &Id<Part>| !model.parts[*id].bodies.is_empty();
-    let shaped = closure(model.parts.ids().filter(with_bodies), |id| parents.get(&id).cloned().unwrap_or_default());
+    let mut shaped = HashSet::new();
+    let above = |id: Id<Part>| parents.get(&id).cloned().unwrap_or_default();
+    reach(&mut shaped, model.parts.ids().filter(with_bodies).collect(), above);
     let mut reached = HashSet::new();
     for circles in [false, true] {
         for id in model.parts.ids().filter(|id| shaped.contains(id)) {
             let is_root = if circles { with_bodies(&id) } else { !parents.contains_key(&id) };
             if is_root && !reached.contains(&id) {
                 model.roots.push(id);
-                reached.extend(closure([id].into_iter(), |id| {
-                    model.parts[id].children.iter().map(|c| c.part).collect()
-                }));
+                let below = |id: Id<Part>| model.parts[id].children.iter().map(|c| c.part).collect();
+                reach(&mut reached, vec![id], below);
             }
         }
     }
 }
 
-/// Everything that `next` leads to from `start`, itself included.
-fn closure(start: impl Iterator<Item = Id<Part>>, next: impl Fn(Id<Part>) -> Vec<Id<Part>>) -> HashSet<Id<Part>> {
-    let mut waiting: Vec<Id<Part>> = start.collect();
-    let mut reached = HashSet::new();
+/// Adds to `reached` all that `next` leads to from `waiting`, itself included.
+fn reach(
+    reached: &mut HashSet<Id<Part>>,
+    mut waiting: Vec<Id<Part>>,
+    next: impl Fn(Id<Part>) -> Vec<Id<Part>>,
+) {
     while let Some(id) = waiting.pop() {
         if reached.insert(id) {
             waiting.extend(next(id));
         }
     }
-    reached
 }

@@ -127,8 +127,9 @@ pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<BsplineSurface> {
             [along(0)?, along(1)?]
         }
         None => {
-            let along =
-                |i: usize| implied_knots(spacing(entity, degrees[i], counts[i], "SURFACE"), degrees[i], counts[i]);
+            let along = |i: usize| {
+                implied_knots(spacing(entity, degrees[i], counts[i], "SURFACE"), degrees[i], counts[i])
+            };
             [along(0), along(1)]
         }
     };
@@ -145,7 +146,11 @@ fn base_record<'e, 'a>(entity: &'e Entity<'a>, keyword: &str) -> (&'e Record<'a>
 
 /// The record `keyword` and where its own attributes begin: after `inherited` others in a simple instance (a curve has name,
 /// degree, points, form and two flags; a surface a degree and a flag more).
-fn own_record<'e, 'a>(entity: &'e Entity<'a>, keyword: &str, inherited: usize) -> Option<(&'e Record<'a>, usize)> {
+fn own_record<'e, 'a>(
+    entity: &'e Entity<'a>,
+    keyword: &str,
+    inherited: usize,
+) -> Option<(&'e Record<'a>, usize)> {
     let at = if entity.records.len() > 1 { 0 } else { inherited };
     entity.record(keyword).map(|record| (record, at))
 }

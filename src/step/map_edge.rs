@@ -20,7 +20,8 @@ impl Reader<'_> {
             return Ok(known);
         }
         let entity = self.entity(id)?;
-        let record = entity.record("VERTEX_POINT").ok_or_else(|| problem(&entity, "expected a VERTEX_POINT"))?;
+        let record =
+            entity.record("VERTEX_POINT").ok_or_else(|| problem(&entity, "expected a VERTEX_POINT"))?;
         let at = if entity.records.len() > 1 { 0 } else { 1 };
         let point = self.point(reference(id, record, at)?)?;
         let vertex = self.model.vertices.push(Vertex { point, entity: id });
@@ -52,7 +53,11 @@ impl Reader<'_> {
             reversed ^= record.logical(at + 1) == Some(false);
             id = reference(id, record, at)?;
         }
-        Err(Problem { entity: id, kind: "ORIENTED_EDGE".into(), reason: "edges refer to each other in a circle".into() })
+        Err(Problem {
+            entity: id,
+            kind: "ORIENTED_EDGE".into(),
+            reason: "edges refer to each other in a circle".into(),
+        })
     }
 
     fn edge(&mut self, id: u64, entity: &Entity) -> Mapped<Id<Edge>> {
@@ -74,7 +79,8 @@ impl Reader<'_> {
                 Edge { curve: mapped.curve, range, vertices: [start, end], pcurves, entity: id }
             }
             Err(reason) if points[0].distance(points[1]) > SAME_POINT => {
-                let reason = format!("{} #{}: {}; a straight edge instead", reason.kind, reason.entity, reason.reason);
+                let reason =
+                    format!("{} #{}: {}; a straight edge instead", reason.kind, reason.entity, reason.reason);
                 self.report(Severity::Warning, problem(entity, reason));
                 line_edge(start, end, points, id)
             }
@@ -170,7 +176,10 @@ mod tests {
         let circle = Curve::Circle { frame: Frame::IDENTITY, radius: 2.0 };
         let close = |a: [f64; 2], b: [f64; 2]| {
             let turns = ((a[0] - b[0]) / TAU).round() * TAU;
-            assert!((a[0] - b[0] - turns).abs() < 1e-12 && (a[1] - b[1] - turns).abs() < 1e-12, "{a:?} {b:?}");
+            assert!(
+                (a[0] - b[0] - turns).abs() < 1e-12 && (a[1] - b[1] - turns).abs() < 1e-12,
+                "{a:?} {b:?}"
+            );
         };
         let (x, y) = (DVec3::X * 2.0, DVec3::Y * 2.0);
         close(edge_range(&circle, [x, y], false, true), [0.0, FRAC_PI_2]);

@@ -21,7 +21,8 @@ impl Reader<'_> {
     /// A CARTESIAN_POINT in millimetres; missing coordinates are 0.
     pub fn point(&self, id: u64) -> Mapped<DVec3> {
         let entity = self.entity(id)?;
-        let record = entity.record("CARTESIAN_POINT").ok_or_else(|| problem(&entity, "expected a CARTESIAN_POINT"))?;
+        let record =
+            entity.record("CARTESIAN_POINT").ok_or_else(|| problem(&entity, "expected a CARTESIAN_POINT"))?;
         let coordinates = record.parameters.iter().find_map(Value::list);
         triple(coordinates.unwrap_or_default())
             .map(|point| point * self.units.millimetres)
@@ -66,7 +67,8 @@ impl Reader<'_> {
         match &*record.keyword {
             "AXIS2_PLACEMENT_3D" => {
                 let origin = self.point(reference(id, record, 1)?)?;
-                let (axis, reference) = (self.optional_direction(record, 2), self.optional_direction(record, 3));
+                let (axis, reference) =
+                    (self.optional_direction(record, 2), self.optional_direction(record, 3));
                 Ok(Frame::from_axes(origin, axis, reference))
             }
             "AXIS1_PLACEMENT" | "AXIS2_PLACEMENT_2D" | "PLACEMENT" => {
@@ -98,7 +100,12 @@ impl Reader<'_> {
         if count < 5 {
             return Err(problem(&entity, "expected axes, origin and scale"));
         }
-        self.operator(&entity, [count - 5, count - 4, count - 1].map(|at| record.reference(at)), record, count - 3)
+        self.operator(
+            &entity,
+            [count - 5, count - 4, count - 1].map(|at| record.reference(at)),
+            record,
+            count - 3,
+        )
     }
 
     fn complex_operator(&self, entity: &Entity) -> Mapped<DAffine3> {
@@ -113,7 +120,13 @@ impl Reader<'_> {
 
     /// ISO 10303-42, 4.4.22 and the function base_axis: the third axis first, then the first made orthogonal to it, then the
     /// second, which may make a mirror. `record[at]` is the origin, the scale follows.
-    fn operator(&self, entity: &Entity, axes: [Option<u64>; 3], record: &Record, at: usize) -> Mapped<DAffine3> {
+    fn operator(
+        &self,
+        entity: &Entity,
+        axes: [Option<u64>; 3],
+        record: &Record,
+        at: usize,
+    ) -> Mapped<DAffine3> {
         let direction = |id: Option<u64>| id.and_then(|id| self.direction(id).ok());
         let origin = self.point(reference(entity.id, record, at)?)?;
         let scale = record.real(at + 1).unwrap_or(1.0);
@@ -171,7 +184,13 @@ impl Reader<'_> {
         }
     }
 
-    fn surface_curve(&self, entity: &Entity, record: &Record, at: usize, depth: usize) -> Mapped<MappedCurve> {
+    fn surface_curve(
+        &self,
+        entity: &Entity,
+        record: &Record,
+        at: usize,
+        depth: usize,
+    ) -> Mapped<MappedCurve> {
         let curve = self.curve_in_chain(reference(entity.id, record, at)?, depth + 1)?;
         Ok(MappedCurve { pcurves: record.references(at + 1), ..curve })
     }

@@ -154,7 +154,8 @@ fn revolved_line(axis: &Frame, origin: DVec3, direction: DVec3, samples: &[DVec3
     if local_direction.length() < PARALLEL {
         let radius = local_origin.length();
         let normal = axis.z.cross(origin - axis.origin).cross(direction);
-        return (radius > PARALLEL).then(|| recognised(Surface::Cylinder { frame: *axis, radius }, origin, normal));
+        return (radius > PARALLEL)
+            .then(|| recognised(Surface::Cylinder { frame: *axis, radius }, origin, normal));
     }
     // In one plane with the axis: the shortest distance between the two lines is 0.
     let distance = local_origin.perp_dot(local_direction.normalize()).abs();
@@ -170,7 +171,8 @@ fn revolved_line(axis: &Frame, origin: DVec3, direction: DVec3, samples: &[DVec3
     let outwards = local.truncate().normalize_or(local_direction.normalize());
     let half_angle = (local_direction.dot(outwards) / rise).atan();
     let frame = Frame::from_axes(axis.origin + axis.z * local.z, Some(axis.z), Some(axis.x));
-    let reference = if radius > 0.0 { point } else { axis.origin + axis.z * local.z + axis.vector(outwards.extend(0.0)) };
+    let reference =
+        if radius > 0.0 { point } else { axis.origin + axis.z * local.z + axis.vector(outwards.extend(0.0)) };
     let normal = axis.z.cross(reference - axis.origin).cross(direction);
     Some(recognised(Surface::Cone { frame, radius, half_angle }, reference, normal))
 }
@@ -200,7 +202,10 @@ fn revolved_circle(axis: &Frame, circle: &Frame, radius: f64) -> Option<Surface>
 /// Of eight parameters around a closed profile the one farthest from the axis on the side of the profile's centre.
 fn parameter_off_axis(profile: &Curve, axis: &Frame) -> f64 {
     let distance = |t: f64| axis.local_point(profile.point(t)).truncate().length();
-    (0..8).map(|i| TAU * f64::from(i) / 8.0).max_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0.0)
+    (0..8)
+        .map(|i| TAU * f64::from(i) / 8.0)
+        .max_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+        .unwrap_or(0.0)
 }
 
 /// `point` moved along `direction` into the plane of a conic; where it is for other curves.

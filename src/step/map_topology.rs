@@ -39,12 +39,15 @@ impl Reader<'_> {
         let color = styles.of(id).or(inherited);
         let record = BODY_KEYWORDS.iter().find_map(|keyword| entity.record(keyword));
         let record = record.ok_or_else(|| problem(&entity, "this kind of body is not supported"))?;
-        let is_solid = ["MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "FACETED_BREP"].iter().any(|k| entity.is(k));
+        let is_solid =
+            ["MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "FACETED_BREP"].iter().any(|k| entity.is(k));
         let is_model = entity.is("SHELL_BASED_SURFACE_MODEL") || entity.is("FACE_BASED_SURFACE_MODEL");
         let shells: Vec<u64> = if is_solid || is_model {
             let all = entity.records.iter().flat_map(|r| &r.parameters);
-            all.flat_map(|p| p.reference().into_iter().chain(p.list().into_iter().flatten().filter_map(|v| v.reference())))
-                .collect()
+            all.flat_map(|p| {
+                p.reference().into_iter().chain(p.list().into_iter().flatten().filter_map(|v| v.reference()))
+            })
+            .collect()
         } else {
             vec![id]
         };
@@ -59,7 +62,13 @@ impl Reader<'_> {
         Ok((!faces.is_empty()).then_some(Body { kind, faces, name, entity: id }))
     }
 
-    fn shell(&mut self, id: u64, styles: &Styles, inherited: Option<Color>, faces: &mut Vec<Id<Face>>) -> Mapped<()> {
+    fn shell(
+        &mut self,
+        id: u64,
+        styles: &Styles,
+        inherited: Option<Color>,
+        faces: &mut Vec<Id<Face>>,
+    ) -> Mapped<()> {
         let (mut id, mut reversed, mut color) = (id, false, inherited);
         for _ in 0..MAX_CHAIN {
             let entity = self.entity(id)?;
@@ -78,7 +87,11 @@ impl Reader<'_> {
             }
             return Ok(());
         }
-        Err(Problem { entity: id, kind: "ORIENTED_CLOSED_SHELL".into(), reason: "shells refer to each other in a circle".into() })
+        Err(Problem {
+            entity: id,
+            kind: "ORIENTED_CLOSED_SHELL".into(),
+            reason: "shells refer to each other in a circle".into(),
+        })
     }
 
     fn face_or_report(
@@ -127,7 +140,8 @@ impl Reader<'_> {
     fn face(&mut self, entity: &Entity, reversed: bool) -> Mapped<Face> {
         let complex = entity.records.len() > 1;
         let record = FACE_KEYWORDS.iter().find_map(|k| entity.record(k)).unwrap_or(entity.first());
-        let bounds = if complex { entity.record("FACE").map_or(&[][..], |r| r.list(0)) } else { record.list(1) };
+        let bounds =
+            if complex { entity.record("FACE").map_or(&[][..], |r| r.list(0)) } else { record.list(1) };
         let mut loops = Vec::with_capacity(bounds.len());
         for bound in bounds {
             let bound = bound.reference().ok_or_else(|| problem(entity, "a bound is no reference"))?;

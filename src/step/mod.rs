@@ -46,7 +46,10 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
     if index.statements.is_empty() {
         return Err(match index.faults.first() {
             Some(fault) => StepError::Invalid { line: index.line(fault.at), reason: fault.reason.into() },
-            None => StepError::Invalid { line: index.line(bytes.len()), reason: "the file has no entities".into() },
+            None => StepError::Invalid {
+                line: index.line(bytes.len()),
+                reason: "the file has no entities".into(),
+            },
         });
     }
     let mut reader = Reader::new(index);

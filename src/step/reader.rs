@@ -84,7 +84,8 @@ impl<'a> Reader<'a> {
         let bytes = self.index.bytes;
         value::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
             entity: id,
-            kind: String::from_utf8_lossy(value::leading_keyword(&bytes[statement.body.clone()])).into_owned(),
+            kind: String::from_utf8_lossy(value::leading_keyword(&bytes[statement.body.clone()]))
+                .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
     }

@@ -119,8 +119,13 @@ fn instance_start(bytes: &[u8], at: usize) -> Option<(u64, usize)> {
 
 /// Finds all statements.
 pub fn index(bytes: &[u8]) -> Index<'_> {
-    let mut index =
-        Index { bytes, header: 0..0, statements: Vec::new(), faults: Vec::new(), line_breaks: OnceCell::new() };
+    let mut index = Index {
+        bytes,
+        header: 0..0,
+        statements: Vec::new(),
+        faults: Vec::new(),
+        line_breaks: OnceCell::new(),
+    };
     let mut at = byte_order_mark(bytes);
     let mut in_data = false;
     loop {

@@ -42,7 +42,10 @@ pub fn of_context(reader: &mut Reader, context: Option<u64>) -> Units {
         Some(Ok((units, false))) => {
             let reason = "no length unit; taken as millimetres".into();
             let entity = context.unwrap_or(0);
-            reader.report(Severity::Warning, Problem { entity, kind: "GLOBAL_UNIT_ASSIGNED_CONTEXT".into(), reason });
+            reader.report(
+                Severity::Warning,
+                Problem { entity, kind: "GLOBAL_UNIT_ASSIGNED_CONTEXT".into(), reason },
+            );
             units
         }
         Some(Err(problem)) => {
@@ -90,8 +93,8 @@ fn unit(reader: &Reader, id: u64, depth: usize) -> Mapped<Unit> {
         let count = record.parameters.len();
         let prefix = record.get(count.saturating_sub(2)).enumeration().unwrap_or_default();
         let name = record.get(count.saturating_sub(1)).enumeration().unwrap_or_default();
-        let factor = si_prefix(&prefix)
-            .ok_or_else(|| problem(&entity, format!("unknown SI prefix {prefix}")))?;
+        let factor =
+            si_prefix(&prefix).ok_or_else(|| problem(&entity, format!("unknown SI prefix {prefix}")))?;
         return Ok(match &*name {
             "METRE" => Unit::Length(factor * 1000.0, si_length_name(&prefix)),
             "RADIAN" => Unit::Angle(factor),

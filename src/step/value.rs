@@ -405,7 +405,8 @@ mod tests {
     #[test]
     fn every_kind_of_value() {
         use Value::*;
-        let e = entity("Foo( #12 ,-3,1.5,1E-3,.5,+2.,1.0D+2,'a''b',.True.,\"0A\",$,*,(),((1),(2)),BAR(7),'')");
+        let e =
+            entity("Foo( #12 ,-3,1.5,1E-3,.5,+2.,1.0D+2,'a''b',.True.,\"0A\",$,*,(),((1),(2)),BAR(7),'')");
         assert_eq!(e.first().keyword, "FOO");
         let expected = vec![
             Reference(12),
@@ -448,8 +449,10 @@ mod tests {
     #[test]
     fn broken_bodies_are_errors() {
         let deep = format!("A({}{})", "(".repeat(100_000), ")".repeat(100_000));
-        for body in ["", "(", "()", "A", "A(", "A(1", "A(#)", "A('x)", "A(.T)", "A(\"0)", "A(1 2)", "A(--)", "#1", &deep]
-        {
+        for body in [
+            "", "(", "()", "A", "A(", "A(1", "A(#)", "A('x)", "A(.T)", "A(\"0)", "A(1 2)", "A(--)", "#1",
+            &deep,
+        ] {
             assert!(decode(body.as_bytes(), 1, 0..body.len()).is_err(), "{body:.20}");
         }
     }
