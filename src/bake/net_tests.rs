@@ -91,7 +91,9 @@ fn check_leaves(surface: &BsplineSurface, nets: &Nets, origin: DVec3, window: Pa
         let mut second = [0.0f64; 3];
         for s in 0..=6 {
             for t in 0..=6 {
-                let local = low + extent * DVec2::new(f64::from(s), f64::from(t)) / 6.0;
+                // Just inside: at a knot the next span's derivatives may differ.
+                let share = DVec2::new(f64::from(s), f64::from(t)) * (1.0 / 6.0 - 1e-6) + 3e-6;
+                let local = low + extent * share;
                 let uv = window.min + (net_low + local * net_size) * size;
                 let d = surface.derivatives(uv.clamp(window.min, window.max));
                 let p = d.point - origin;

@@ -38,7 +38,7 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
                     size[axis] = split - low[axis];
                     node += if far { 2 } else { 1 };
                 } else {
-                    size[axis] = low[axis] + size[axis] - split;
+                    size[axis] -= split - low[axis];
                     low[axis] = split;
                     node += if far { scene.trim_nodes[node + 1] } else { right } as usize;
                 }
