@@ -31,9 +31,7 @@ fn render_one(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
-    let [width, height] = command.resolution;
-    let camera =
-        view::camera(&command.view, view::bounds(scene.header), f64::from(width) / f64::from(height));
+    let camera = view::camera(&command.view, scene.header, command.resolution);
     let options = RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
@@ -51,7 +49,7 @@ fn render_one(
     log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
     output.write(&film)?;
     if let (false, Some(path)) = (general.quiet, output.path()) {
-        writeln!(std::io::stderr(), "{}: {width} by {height} pixels", path.display())?;
+        writeln!(std::io::stderr(), "{}: {} by {} pixels", path.display(), film.width, film.height)?;
     }
     Ok(())
 }
