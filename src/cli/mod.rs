@@ -83,8 +83,8 @@ fn start_log(general: &args::General) {
         (false, _) => log::LevelFilter::Debug,
     };
     env_logger::Builder::new()
+        .filter_level(level.min(log::LevelFilter::Error))
         .filter_module("trimray", level)
-        .filter_module("wgpu", level.min(log::LevelFilter::Error))
         .parse_default_env()
         .format_timestamp(None)
         .init();

@@ -112,14 +112,30 @@ impl BsplineSurface {
         let u_count = u_knots.len() - u_degree - 1;
         let points = transposed(&points, u_count);
         let v_count = points.len() / u_count;
-        let mut surface = Self {
-            u_knots: KnotVector::new(u_degree, u_knots, u_count)?,
-            v_knots: KnotVector::new(v_degree, v_knots, v_count)?,
-            points,
-            closed: [false; 2],
-        };
+        let u_knots = KnotVector::new(u_degree, u_knots, u_count)?;
+        let v_knots = KnotVector::new(v_degree, v_knots, v_count)?;
+        Ok(Self::from_parts(u_knots, v_knots, points))
+    }
+
+    /// A surface from good knots and as many control points as they ask for.
+    pub(super) fn from_parts(u_knots: KnotVector, v_knots: KnotVector, points: Vec<Homogeneous3>) -> Self {
+        let mut surface = Self { u_knots, v_knots, points, closed: [false; 2] };
         surface.closed = surface.find_closed();
-        Ok(surface)
+        surface
+    }
+
+    /// The same surface over `u × v`, clamped to the domain; `None` where nothing of it is left.
+    pub fn piece(&self, u: [f64; 2], v: [f64; 2]) -> Option<Self> {
+        let [u_degree, v_degree] = [self.u_knots.degree(), self.v_knots.degree()];
+        let (v_knots, points) = piece_rows(&self.v_knots, &self.points, v)?;
+        let points = transposed(&points, v_knots.len() - v_degree - 1);
+        let (u_knots, points) = piece_rows(&self.u_knots, &points, u)?;
+        let u_count = u_knots.len() - u_degree - 1;
+        let points = transposed(&points, u_count);
+        let v_count = points.len() / u_count;
+        let u_knots = KnotVector::new(u_degree, u_knots, u_count).ok()?;
+        let v_knots = KnotVector::new(v_degree, v_knots, v_count).ok()?;
+        Some(Self::from_parts(u_knots, v_knots, points))
     }
 
     /// How many control points there are along u and v.
@@ -250,6 +266,27 @@ fn clamp_rows(
         clamped_points.extend(row_points);
     }
     Ok((clamped_knots, clamped_points))
+}
+
+fn piece_rows(
+    knots: &KnotVector,
+    points: &[Homogeneous3],
+    [a, b]: [f64; 2],
+) -> Option<(Vec<f64>, Vec<Homogeneous3>)> {
+    let [first, last] = knots.domain();
+    let (low, high) = (a.max(first), b.min(last));
+    if !(low < high) {
+        return None;
+    }
+    let mut cut_knots = Vec::new();
+    let mut cut_points = Vec::new();
+    for row in points.chunks_exact(knots.point_count()) {
+        let (row_knots, row_points) = clamp_start(knots.degree(), knots.as_slice(), row, low);
+        let (row_knots, row_points) = clamp_end(knots.degree(), &row_knots, &row_points, high);
+        cut_knots = row_knots;
+        cut_points.extend(row_points);
+    }
+    Some((cut_knots, cut_points))
 }
 
 /// Columns of rows of length `width`, one after the other.

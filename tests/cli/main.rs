@@ -1,0 +1,357 @@
+//! The binary as its users meet it: what it prints, what it writes, how it ends.
+
+mod cube;
+
+use assert_cmd::Command;
+use cube::cube;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A folder with a 10 mm cube in it.
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let bench = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::write(bench.path("cube.step"), cube(10.0, "mm")).expect("written");
+        bench
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs trimray in the folder; arguments are split at spaces.
+    fn run(&self, arguments: &str) -> Outcome {
+        self.run_with(arguments, "")
+    }
+
+    fn run_with(&self, arguments: &str, stdin: &str) -> Outcome {
+        let mut command = Command::cargo_bin("trimray").expect("the binary is built");
+        command.current_dir(self.folder.path()).args(arguments.split_whitespace()).write_stdin(stdin);
+        let output = command.output().expect("it runs");
+        Outcome {
+            code: output.status.code().expect("it was not killed"),
+            stdout: output.stdout,
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+
+    fn probe(&self, arguments: &str, rays: &str) -> Vec<Value> {
+        let outcome = self.run_with(&format!("probe {arguments} --rays -"), rays);
+        outcome.expect(0).text().lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    }
+}
+
+struct Outcome {
+    code: i32,
+    stdout: Vec<u8>,
+    stderr: String,
+}
+
+impl Outcome {
+    fn expect(self, code: i32) -> Self {
+        assert_eq!(self.code, code, "{}", self.stderr);
+        self
+    }
+
+    fn text(&self) -> &str {
+        std::str::from_utf8(&self.stdout).expect("UTF-8")
+    }
+}
+
+const RAYS: &str = "# from above, from the side, past it, from inside\n\n\
+    5 4 30 0 0 -1\n-20 2 3 5 0 0\n50 50 50 1 0 0\n5 5 5 1 1 0.25\n3 4 -7 0.1 0.2 3\n";
+
+#[test]
+fn help_shows_every_command_and_examples() {
+    let bench = Bench::new();
+    let outcome = bench.run("--help").expect(0);
+    for word in ["render", "bake", "info", "probe", "Examples", "Exit codes"] {
+        assert!(outcome.text().contains(word), "{word}");
+    }
+    for command in ["render", "bake", "info", "probe"] {
+        assert!(bench.run(&format!("{command} --help")).expect(0).text().contains("Usage"));
+    }
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    let bench = Bench::new();
+    for arguments in [
+        "",
+        "paint cube.step",
+        "render cube.step",
+        "render cube.step -o cube.jpg",
+        "render cube.step cube.step -o one.png",
+        "render cube.step -o a.png --resolution 0,5",
+        "render cube.step -o a.png --camera-direction 0,0,0",
+        "render cube.step -o a.png --samples 0",
+        "bake cube.trimray",
+        "probe cube.step",
+        "probe cube.step --rays - --precision f16",
+    ] {
+        let outcome = bench.run(arguments).expect(2);
+        assert!(!outcome.stderr.is_empty() && outcome.stdout.is_empty(), "{arguments}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_ends_with_1_and_is_named() {
+    let bench = Bench::new();
+    fs::write(bench.path("empty.step"), "").expect("written");
+    fs::write(bench.path("text.step"), "this is no model").expect("written");
+    fs::write(bench.path("text.trimray"), "this is no scene").expect("written");
+    for name in ["missing.step", "missing.trimray", "empty.step", "text.step", "text.trimray"] {
+        for command in ["info", "render -o a.png", "probe --rays -"] {
+            let outcome = bench.run(&format!("{command} {name}")).expect(1);
+            assert!(outcome.stderr.contains(name), "{}", outcome.stderr);
+        }
+    }
+    let outcome =
+        bench.run("render cube.step -o no-such-folder/a.png --resolution 8,8 --device cpu").expect(1);
+    assert!(outcome.stderr.contains("a.png"), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_file_cut_anywhere_is_answered_or_refused() {
+    let bench = Bench::new();
+    let text = cube(10.0, "mm");
+    for share in 0..20 {
+        fs::write(bench.path("cut.step"), &text[..text.len() * share / 20]).expect("written");
+        let outcome = bench.run("info cut.step --json");
+        match outcome.code {
+            0 => drop(serde_json::from_slice::<Value>(&outcome.stdout).expect("JSON")),
+            1 => assert!(outcome.stderr.contains("cut.step"), "{}", outcome.stderr),
+            other => panic!("exit code {other}: {}", outcome.stderr),
+        }
+    }
+}
+
+#[test]
+fn partial_imports_are_told_and_refused_under_strict() {
+    let bench = Bench::new();
+    let text = cube(10.0, "mm");
+    let broken = text.replacen("=PLANE(", "=PLAIN(", 1);
+    fs::write(bench.path("broken.step"), broken).expect("written");
+    let outcome = bench.run("bake broken.step").expect(0);
+    assert!(outcome.stderr.contains("1 of 6 faces dropped"), "{}", outcome.stderr);
+    fs::remove_file(bench.path("broken.trimray")).expect("it was written");
+    let outcome = bench.run("bake broken.step --strict").expect(3);
+    assert!(outcome.stderr.contains("--strict"), "{}", outcome.stderr);
+    assert!(!bench.path("broken.trimray").exists());
+    let info = json(&bench.run("info broken.step --json").expect(0));
+    assert_eq!(info["faces"]["dropped"], 1);
+    assert_eq!(info["faces"]["baked"], 5);
+    let dropped =
+        info["diagnostics"].as_array().expect("a list").iter().filter(|d| d["severity"] == "dropped");
+    assert!(dropped.count() > 0);
+}
+
+#[test]
+fn nothing_to_render_ends_with_4() {
+    let bench = Bench::new();
+    let text = cube(10.0, "mm");
+    fs::write(bench.path("bare.step"), text.replace("=ADVANCED_FACE(", "=ADVANCED_FARCE(")).expect("written");
+    for command in ["render -o a.png", "bake"] {
+        bench.run(&format!("{command} bare.step")).expect(4);
+    }
+    assert!(!bench.path("a.png").exists());
+    bench.run("info bare.step").expect(0);
+}
+
+fn json(outcome: &Outcome) -> Value {
+    serde_json::from_slice(&outcome.stdout).expect("JSON")
+}
+
+#[test]
+fn info_counts_what_is_there() {
+    let bench = Bench::new();
+    let info = json(&bench.run("info cube.step --json").expect(0));
+    assert_eq!(info["file"], "cube.step");
+    assert_eq!(info["format"], "STEP");
+    assert!(info["schema"].as_str().expect("text").contains("AUTOMOTIVE_DESIGN"));
+    assert_eq!(info["unit"], "mm");
+    assert_eq!(info["solids"], 1);
+    assert_eq!(info["parts"].as_array().map(Vec::len), Some(1));
+    assert_eq!(info["parts"][0]["name"], "Cube");
+    assert_eq!(info["instances"].as_array().map(Vec::len), Some(1));
+    let expected = serde_json::json!({
+        "declared": 6, "baked": 6, "dropped": 0, "occurrences": 6,
+        "by_kind": { "plane": 6, "cylinder": 0, "cone": 0, "sphere": 0, "torus": 0, "nets": 0 },
+    });
+    assert_eq!(info["faces"], expected);
+    for axis in 0..3 {
+        let bound = |corner: usize| info["bbox"][corner][axis].as_f64().expect("a number");
+        assert!(bound(0) <= 0.0 && bound(0) > -0.01, "{}", bound(0));
+        assert!(bound(1) >= 10.0 && bound(1) < 10.01, "{}", bound(1));
+    }
+    let text = bench.run("info cube.step").expect(0);
+    assert!(text.text().contains("6 of 6 declared") && text.text().contains("Cube"), "{}", text.text());
+}
+
+#[test]
+fn lengths_are_millimetres_whatever_the_unit() {
+    let bench = Bench::new();
+    fs::write(bench.path("inch.step"), cube(10.0, "inch")).expect("written");
+    let hits = bench.probe("inch.step", "100 100 500 0 0 -1\n");
+    assert_close(&hits[0]["hits"][0]["t"], 500.0 - 254.0);
+    let info = json(&bench.run("info inch.step --json").expect(0));
+    assert_eq!(info["unit_millimetres"], 25.4);
+}
+
+fn assert_close(value: &Value, expected: f64) {
+    let value = value.as_f64().expect("a number");
+    assert!((value - expected).abs() < 1e-9, "{value} is not {expected}");
+}
+
+#[test]
+fn probe_answers_in_order_with_exact_hits() {
+    let bench = Bench::new();
+    let answers = bench.probe("cube.step", RAYS);
+    assert_eq!(answers.len(), 5);
+    let first = &answers[0]["hits"];
+    assert_eq!(first.as_array().map(Vec::len), Some(2));
+    assert_close(&first[0]["t"], 20.0);
+    assert_close(&first[1]["t"], 30.0);
+    for (axis, (p, n)) in [(5.0, 0.0), (4.0, 0.0), (10.0, 1.0)].into_iter().enumerate() {
+        assert_close(&first[0]["p"][axis], p);
+        assert_close(&first[0]["n"][axis], n);
+    }
+    assert_eq!(first[0]["part"], "Cube");
+    assert!(first[0]["entity"].as_str().is_some_and(|e| e.starts_with('#') && e.len() > 1));
+    assert_ne!(first[0]["face"], first[1]["face"]);
+    // The length of the direction does not matter.
+    assert_close(&answers[1]["hits"][0]["t"], 20.0);
+    assert_eq!(answers[2], serde_json::json!({ "hits": [] }));
+    // From inside there is one wall ahead.
+    assert_eq!(answers[3]["hits"].as_array().map(Vec::len), Some(1));
+    let firsts = bench.probe("cube.step --hits first", RAYS);
+    for (first, all) in firsts.iter().zip(&answers) {
+        assert_eq!(
+            first["hits"].as_array().map(Vec::len),
+            Some(all["hits"].as_array().map_or(0, |h| h.len().min(1)))
+        );
+        assert_eq!(first["hits"][0], all["hits"][0]);
+    }
+}
+
+#[test]
+fn a_wrong_ray_is_named_after_the_good_ones_are_answered() {
+    let bench = Bench::new();
+    let outcome = bench.run_with("probe cube.step --rays -", "5 5 30 0 0 -1\n5 5 30 0 0 0\n").expect(1);
+    assert!(outcome.stderr.contains("line 2"), "{}", outcome.stderr);
+    assert_eq!(outcome.text().lines().count(), 1);
+    bench.run("probe cube.step --rays missing.txt").expect(1);
+}
+
+#[test]
+fn a_baked_scene_answers_as_the_model_does() {
+    let bench = Bench::new();
+    let outcome = bench.run("bake cube.step --keep-f64").expect(0);
+    assert!(outcome.stderr.contains("cube.trimray"), "{}", outcome.stderr);
+    assert_eq!(outcome.stdout, b"");
+    for precision in ["f32", "f64"] {
+        let arguments = |file: &str| format!("{file} --precision {precision} --device cpu");
+        assert_eq!(bench.probe(&arguments("cube.step"), RAYS), bench.probe(&arguments("cube.trimray"), RAYS));
+    }
+    let infos =
+        ["cube.step", "cube.trimray"].map(|f| json(&bench.run(&format!("info --json {f}")).expect(0)));
+    for key in ["file", "schema", "faces", "parts", "instances", "bbox", "unit"] {
+        assert_eq!(infos[0][key], infos[1][key], "{key}");
+    }
+}
+
+#[test]
+fn a_scene_without_f64_says_so() {
+    let bench = Bench::new();
+    bench.run("bake cube.step").expect(0);
+    let outcome = bench.run_with("probe cube.trimray --rays - --precision f64", RAYS).expect(1);
+    assert!(outcome.stderr.contains("--keep-f64"), "{}", outcome.stderr);
+    let outcome = bench.run_with("probe cube.trimray --rays - --device cpu", RAYS).expect(0);
+    assert!(outcome.stderr.contains("f32"), "{}", outcome.stderr);
+    assert_eq!(outcome.text().lines().count(), 5);
+}
+
+#[test]
+fn baking_twice_gives_the_same_bytes_on_any_number_of_threads() {
+    let bench = Bench::new();
+    bench.run("bake cube.step -o one.trimray -j 1").expect(0);
+    bench.run("bake cube.step -o two.trimray -j 3").expect(0);
+    assert!(read(&bench.path("one.trimray")) == read(&bench.path("two.trimray")));
+}
+
+fn read(path: &Path) -> Vec<u8> {
+    fs::read(path).expect("it was written")
+}
+
+#[test]
+fn cut_and_flipped_scenes_are_refused() {
+    let bench = Bench::new();
+    bench.run("bake cube.step").expect(0);
+    let bytes = read(&bench.path("cube.trimray"));
+    for share in 0..16 {
+        fs::write(bench.path("cut.trimray"), &bytes[..bytes.len() * share / 16]).expect("written");
+        let outcome = bench.run("info cut.trimray").expect(1);
+        assert!(outcome.stderr.contains("cut.trimray"), "{}", outcome.stderr);
+    }
+    for at in (0..bytes.len()).step_by(bytes.len() / 40) {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 0xff;
+        fs::write(bench.path("flipped.trimray"), bytes).expect("written");
+        let outcome = bench.run_with("probe flipped.trimray --rays - --device cpu -q", RAYS);
+        assert!([0, 1, 4].contains(&outcome.code), "byte {at}: {} {}", outcome.code, outcome.stderr);
+    }
+}
+
+#[test]
+fn pictures_have_the_size_and_the_background_asked_for() {
+    let bench = Bench::new();
+    let small = "--resolution 40,30 --samples 2 --device cpu";
+    bench.run(&format!("render cube.step -o a.png {small} --background-color #ff0000")).expect(0);
+    let picture = trimray::image::read_png(&bench.path("a.png")).expect("a PNG");
+    assert_eq!((picture.width, picture.height), (40, 30));
+    assert_eq!(picture.pixels[0], [255, 0, 0, 255]);
+    assert_ne!(picture.pixels[40 * 15 + 20][..3], [255, 0, 0], "the cube is in the middle");
+
+    let outcome = bench.run(&format!("render cube.step -o - {small} --no-background")).expect(0);
+    let picture = trimray::image::decode_png(&outcome.stdout).expect("a PNG on stdout");
+    assert_eq!(picture.pixels[0], [0; 4]);
+    assert_eq!(picture.pixels[40 * 15 + 20][3], 255);
+    assert!(outcome.stderr.contains("CPU"), "{}", outcome.stderr);
+
+    bench.run(&format!("render cube.step -o a.exr {small}")).expect(0);
+    assert!(read(&bench.path("a.exr")).starts_with(&[0x76, 0x2f, 0x31, 0x01]));
+}
+
+#[test]
+fn several_inputs_make_several_pictures() {
+    let bench = Bench::new();
+    fs::write(bench.path("other.step"), cube(3.0, "mm")).expect("written");
+    let outcome =
+        bench.run("render cube.step other.step -o {model}.png --resolution 8x8 --samples 1 --device cpu -q");
+    assert_eq!(outcome.expect(0).stderr, "");
+    assert!(bench.path("cube.png").exists() && bench.path("other.png").exists());
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_error() {
+    let bench = Bench::new();
+    let rays = "5 4 30 0 0 -1\n".repeat(20_000);
+    fs::write(bench.path("rays.txt"), rays).expect("written");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_trimray"))
+        .current_dir(bench.folder.path())
+        .args(["probe", "cube.step", "--rays", "rays.txt"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it runs");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
