@@ -20,10 +20,15 @@ mod trace;
 mod trim;
 mod vector;
 
+#[cfg(test)]
+#[cfg(test)]
+mod test_scenes;
+#[cfg(test)]
+mod tests;
+
 pub use frames::Kernel;
 pub use probe::probe;
 pub use render::render;
-pub use trim::split_position;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

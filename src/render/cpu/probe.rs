@@ -2,12 +2,13 @@
 
 use super::hit::{finish_hit, hit_normal};
 use super::ray_space::{Distance, PreparedRay, prepare};
-use super::trace::{RawHit, first_hit, trace};
+use super::trace::{RawHit, comes_before, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, Precision};
 use crate::render::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Hits kept per ray: more than any model has, little enough to bound memory.
 const MAX_HITS: usize = 1 << 16;
@@ -48,12 +49,13 @@ pub fn all_hits<T: Kernel>(scene: &Scene<'_>, prepared: &PreparedRay<T>) -> Vec<
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
     let order = |a: &RawHit<T>, b: &RawHit<T>| {
-        let by_distance = a.distance.minus(b.distance).partial_cmp(&T::ZERO);
-        by_distance
-            .unwrap_or(std::cmp::Ordering::Equal)
-            .then(a.face.cmp(&b.face))
-            .then(a.net.cmp(&b.net))
-            .then(a.instance.cmp(&b.instance))
+        if comes_before(a, b) {
+            Ordering::Less
+        } else if comes_before(b, a) {
+            Ordering::Greater
+        } else {
+            Ordering::Equal
+        }
     };
     hits.sort_by(order);
     merge_doubles(scene, prepared, hits)
