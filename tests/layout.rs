@@ -143,3 +143,31 @@ fn kernels_validate() {
         }
     }
 }
+
+/// What only the shaders need: tests that the twin writes in place, reads of arrays by index, and what WGSL's built-ins do not give.
+const WITHOUT_TWIN: [&str; 7] =
+    ["is_between", "apply_axes", "trim_point", "real_atan2", "real_sin_cos", "is_finite", "signum"];
+
+/// A file's functions stand in the Rust file of the same stem, but for the methods that became functions.
+#[test]
+fn functions_have_twins() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/render/cpu");
+    let read =
+        |stem: &str| std::fs::read_to_string(folder.join(stem).with_extension("rs")).unwrap_or_default();
+    let mut rust = String::new();
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        rust.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+    }
+    let mut checked = 0;
+    for (stem, text) in FUNCTION_FILES {
+        assert!(stem == "elementary" || !read(stem).is_empty(), "shaders/{stem}.wgsl has no twin");
+        for line in text.lines() {
+            let Some(rest) = line.strip_prefix("fn ") else { continue };
+            let name = rest.split('(').next().unwrap_or_default();
+            let found = [format!("fn {name}("), format!("fn {name}<")].iter().any(|text| rust.contains(text));
+            assert!(found || WITHOUT_TWIN.contains(&name), "`{name}` of shaders/{stem}.wgsl has no twin");
+            checked += 1;
+        }
+    }
+    assert!(checked > 60, "{checked} functions checked");
+}
