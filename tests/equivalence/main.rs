@@ -71,7 +71,7 @@ fn camera(scene: &Scene<'_>, orthographic: bool) -> Camera {
         forward,
         right,
         up: right.cross(forward),
-        half_height: if orthographic { radius(scene) } else { 0.35 },
+        half_height: if orthographic { radius(scene) } else { 0.2 },
         orthographic,
     }
 }
@@ -113,7 +113,7 @@ fn assert_pictures_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, camera: &Came
 fn hits_agree() {
     let Some(gpu) = gpu() else { return };
     let buffers = synthetic::every_kind();
-    assert_hits_agree("every kind", &gpu, &buffers.scene(), 20_000);
+    assert_hits_agree("every kind", &gpu, &buffers.scene(), 6_000);
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn canaries_are_noticed() {
         }),
         ("a net point moved by a hundredth", |scene| scene.net_points[5][2] += 0.01),
     ];
-    let rays = chords(&buffers.scene(), 20_000);
+    let rays = chords(&buffers.scene(), 6_000);
     let expected = cpu::probe(&buffers.scene(), &rays, Precision::F32, false);
     for (name, change) in wrong {
         let mut changed = synthetic::every_kind();

@@ -47,8 +47,7 @@ pub fn every_kind() -> SceneBuffers {
     let mut boxes = Vec::new();
     for (turn, origin) in placements {
         scene.instances.push(instance(turn, origin, radius * 1.001));
-        let reach = Vec3::splat(radius * 1.01);
-        boxes.push((origin.as_vec3() - reach, origin.as_vec3() + reach));
+        boxes.push(placed_box(&primitives.boxes, turn, origin));
         scene.metadata.instances.push(InstanceInfo::default());
     }
     let half = boxes.iter().fold(Vec3::ZERO, |half, (low, high)| half.max(low.abs()).max(high.abs()));
@@ -74,6 +73,19 @@ pub fn every_kind() -> SceneBuffers {
         Material { rgb: [0.2, 0.5, 0.9], opacity: 0.4 },
     ];
     scene
+}
+
+/// The box of a part's boxes after a turn and a move.
+fn placed_box(boxes: &[Box3], turn: DMat3, origin: DVec3) -> Box3 {
+    let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+    for (box_low, box_high) in boxes {
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { box_low[axis] } else { box_high[axis] };
+            let p = (turn * DVec3::new(pick(0).into(), pick(1).into(), pick(2).into()) + origin).as_vec3();
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    (low - Vec3::splat(0.01), high + Vec3::splat(0.01))
 }
 
 fn build(boxes: &[Box3]) -> (Vec<BvhNode>, Vec<u32>) {
