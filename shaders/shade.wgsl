@@ -32,21 +32,6 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
     return color;
 }
 
-fn first_hit(ray: WorldRay, near: Distance) -> Collected {
-    var collected: Collected;
-    collected.far = Distance(0.0, INFINITE);
-    trace(ray, near, &collected);
-    return collected;
-}
-
-fn any_hit(ray: WorldRay, near: Distance, far: Distance) -> bool {
-    var collected: Collected;
-    collected.far = far;
-    collected.any = true;
-    trace(ray, near, &collected);
-    return collected.count != 0u;
-}
-
 fn hit_material(hit: RawHit) -> u32 {
     let of_instance = instances[hit.instance].material;
     return select(of_instance, faces[hit.face].material, of_instance == NO_MATERIAL);
@@ -104,10 +89,22 @@ fn openness(
     pixel: u32,
     sample_index: u32,
 ) -> f32 {
-    let reach = header.scene_radius * OCCLUSION_RADIUS * unit(hash(pixel, sample_index, 4u));
-    let direction = cosine_direction(n, unit(hash(pixel, sample_index, 2u)), unit(hash(pixel, sample_index, 3u)));
+    let place = sky_sample(pixel, sample_index);
+    let direction = cosine_direction(n, place.x, place.y);
     let probe = leave_surface(ray, hit, n, direction, surface_offset());
-    return select(1.0, 0.0, any_hit(probe, Distance(0.0, 0.0), Distance(0.0, reach)));
+    let radius = header.scene_radius * OCCLUSION_RADIUS;
+    let seen = first_hit_before(probe, Distance(0.0, 0.0), Distance(0.0, radius));
+    if seen.count == 0u {
+        return 1.0;
+    }
+    let blocked = 1.0 - clamp(from_anchor(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
+    return 1.0 - blocked * blocked;
+}
+
+fn sky_sample(pixel: u32, sample_index: u32) -> vec2<f32> {
+    let a = hash(pixel, 0u, 2u) + sample_index * 0xc13fa9a9u;
+    let b = hash(pixel, 0u, 3u) + sample_index * 0x91e10da5u;
+    return vec2<f32>(unit(a), unit(b));
 }
 
 fn leave_surface(

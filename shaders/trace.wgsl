@@ -1,6 +1,6 @@
 // From a world ray to hits; the twin of render/cpu/trace.rs.
 //
-// Where the twin takes a closure, each entry file defines `accept`: it sees every hit and narrows `far` or sets `stop` in its `Collected`.
+// Where the twin takes a closure, each entry file defines `accept`: it sees every hit and may narrow `far`.
 
 struct RawHit {
     distance: Distance,
@@ -12,19 +12,46 @@ struct RawHit {
 
 struct Collected {
     far: Distance,
-    stop: bool,
     // Hits seen.
     count: u32,
-    // The last one accepted.
+    // The first one.
     hit: RawHit,
-    // Whether the first hit seen is enough.
-    any: bool,
     // Where hits go that are kept in memory, and how many fit.
     first_slot: u32,
     slots: u32,
 }
 
+struct FaceParameters {
+    uv: vec2<f32>,
+    inside: bool,
+}
+
 const NO_NET: u32 = 0xffffffffu;
+
+fn first_hit(ray: WorldRay, near: Distance) -> Collected {
+    return first_hit_before(ray, near, Distance(0.0, INFINITE));
+}
+
+fn first_hit_before(ray: WorldRay, near: Distance, far: Distance) -> Collected {
+    var collected: Collected;
+    collected.far = far;
+    trace(ray, near, &collected);
+    return collected;
+}
+
+fn comes_before(a: RawHit, b: RawHit) -> bool {
+    let ahead = minus(a.distance, b.distance);
+    if ahead != 0.0 {
+        return ahead < 0.0;
+    }
+    if a.face != b.face {
+        return a.face < b.face;
+    }
+    if a.net != b.net {
+        return a.net < b.net;
+    }
+    return a.instance < b.instance;
+}
 
 fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
     let top = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
@@ -37,9 +64,6 @@ fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
         let part_ray = enter_instance(ray, instance);
         if part_ray.meets {
             trace_part(part_ray, instance, near, collected);
-            if (*collected).stop {
-                return;
-            }
         }
     }
 }
@@ -59,15 +83,12 @@ fn trace_part(ray: PartRay, instance: u32, near: Distance, collected: ptr<functi
         } else if HAS_NETS {
             trace_leaf(ray, instance, word & ~NET_LEAF_BIT, near, collected);
         }
-        if (*collected).stop {
-            return;
-        }
     }
 }
 
 // The twin's test in `trace_face` and `trace_leaf`.
 fn is_between(distance: Distance, near: Distance, far: Distance) -> bool {
-    return minus(distance, near) >= 0.0 && minus(distance, far) < 0.0;
+    return minus(distance, near) >= 0.0 && minus(distance, far) <= 0.0;
 }
 
 fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, collected: ptr<function, Collected>) {
@@ -89,9 +110,6 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         let uv = vec2<f32>(u.value, v.value);
         if u.inside && v.inside && trim_inside(face.trim_root, uv) {
             accept(collected, RawHit(distance, instance, index, NO_NET, uv));
-            if (*collected).stop {
-                return;
-            }
         }
     }
 }
@@ -116,16 +134,16 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         if all(own) {
             trim = net_leaves[index].trim;
         }
-        if trim_inside(trim, face_parameters(net, faces[face].period, root.uv)) {
+        let p = face_parameters(net, faces[face].period, root.uv);
+        if (all(own) && trim == TRIM_INSIDE) || (p.inside && trim_inside(trim, p.uv)) {
             accept(collected, RawHit(distance, instance, face, net, root.uv));
-            if (*collected).stop {
-                return;
-            }
         }
     }
 }
 
-fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
+fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> FaceParameters {
     let p = nets[net].uv_low + uv * nets[net].uv_size;
-    return vec2<f32>(to_window(p.x, 0.0, 1.0, period.x).value, to_window(p.y, 0.0, 1.0, period.y).value);
+    let u = to_window(p.x, 0.0, 1.0, period.x);
+    let v = to_window(p.y, 0.0, 1.0, period.y);
+    return FaceParameters(vec2<f32>(u.value, v.value), u.inside && v.inside);
 }

@@ -64,7 +64,7 @@ fn crosses(segment: TrimSegment, uv: vec2<f32>) -> bool {
     if !(uv.y >= segment.low.y && uv.y < segment.high.y) {
         return false;
     }
-    if uv.x > max(segment.low.x, segment.high.x) {
+    if uv.x >= max(segment.low.x, segment.high.x) {
         return true;
     }
     if uv.x < min(segment.low.x, segment.high.x) {
@@ -99,7 +99,7 @@ fn bisect(segment: TrimSegment, degree: u32, uv: vec2<f32>) -> bool {
             high = at;
             t_high = t;
         }
-        if uv.x > max(low.x, high.x) {
+        if uv.x >= max(low.x, high.x) {
             return true;
         }
         if uv.x < min(low.x, high.x) {

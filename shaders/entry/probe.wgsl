@@ -32,8 +32,14 @@ struct ProbeHit {
 @group(1) @binding(3) var<storage, read_write> counts: array<u32>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
-    if parameters.first_only != 0u {
+    if parameters.first_only != 0u && (*collected).count != 0u {
+        if !comes_before(hit, (*collected).hit) {
+            return;
+        }
         (*collected).count = 0u;
+    }
+    if parameters.first_only != 0u {
+        (*collected).hit = hit;
         (*collected).far = hit.distance;
     }
     if (*collected).count < (*collected).slots {

@@ -24,10 +24,11 @@ struct Center {
 @group(1) @binding(2) var<storage, read_write> centers: array<Center>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
+    if (*collected).count == 0u || comes_before(hit, (*collected).hit) {
+        (*collected).hit = hit;
+        (*collected).far = hit.distance;
+    }
     (*collected).count += 1u;
-    (*collected).hit = hit;
-    (*collected).far = hit.distance;
-    (*collected).stop = (*collected).any;
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)

@@ -1,8 +1,34 @@
 //! From the model to the scene: nets, leaves, BVHs, trim trees; f64 until `narrow`.
+//!
+//! Two passes over the faces, each in parallel and gathered in the model's order, so that the result does not depend on threads: `outline` trims
+//! and bounds; then the scene's size, its grid and the parts' centres are known; `faces` makes the records. `assemble` joins them.
+//! Faces and placements that cannot be baked are reported, never lost silently.
 
-use crate::brep::Model;
-use crate::scene::SceneBuffers;
+mod assemble;
+mod bvh;
+mod faces;
+mod materials;
+mod metadata;
+mod narrow;
+mod nets;
+mod outline;
+mod region;
+mod trim_query;
+#[cfg(test)]
+mod trim_tests;
+mod trim_tree;
+
+use self::assemble::PartDraft;
+use self::faces::{BakedFace, PartSpace, bake_face};
+use self::materials::MaterialTable;
+use self::outline::{Outline, outline};
+use crate::brep::{self, Diagnostic, Face, Id, Model, Occurrence, Severity, occurrences};
+use crate::numeric::Aabb;
+use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
 use crate::trimming::TrimOptions;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How to bake.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +47,222 @@ impl Default for BakeOptions {
     }
 }
 
+/// A face on its way through the bake.
+struct Draft {
+    /// Index into the parts that occur.
+    part: usize,
+    id: Id<Face>,
+    outline: Result<Outline, String>,
+}
+
 /// Bakes a model. Faces that cannot be baked are in the metadata's diagnostics, after the model's own.
 ///
 /// The result depends on the model and the options alone, not on threads. `progress` is told (done, total) faces, from any thread.
 pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> SceneBuffers {
-    todo!()
+    let (occurrences, cut) = occurrences(model);
+    let mut scene =
+        SceneBuffers { metadata: metadata::of_model(model, &occurrences, cut), ..SceneBuffers::default() };
+    let parts = parts_that_occur(model, &occurrences);
+    let drafts = outlines(model, &parts, options, progress);
+    let part_boxes = boxes_of_parts(&drafts, parts.len());
+    let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
+    scene.header = header;
+
+    let baked: Vec<Option<Result<BakedFace, String>>> = drafts
+        .par_iter()
+        .map(|draft| {
+            let outline = draft.outline.as_ref().ok()?;
+            let face = &model.faces[draft.id];
+            let surface = &model.surfaces[face.surface];
+            Some(bake_face(surface, face, outline, &spaces[draft.part], options.distortion))
+        })
+        .collect();
+
+    let mut materials = MaterialTable::default();
+    let slots =
+        gather(model, &mut scene, &mut materials, &parts, &part_boxes, &spaces, drafts, baked, options);
+    add_instances(model, &mut scene, &mut materials, &parts, &occurrences, &slots, &spaces, options.keep_f64);
+    scene.materials = materials.into_materials();
+    scene
+}
+
+/// The parts that stand somewhere, in order of their ids.
+fn parts_that_occur(model: &Model, occurrences: &[Occurrence]) -> Vec<Id<brep::Part>> {
+    let mut occurs = vec![false; model.parts.len()];
+    for occurrence in occurrences {
+        occurs[occurrence.part.index()] = true;
+    }
+    model.parts.ids().filter(|id| occurs[id.index()]).collect()
+}
+
+/// Trims all faces of all parts.
+fn outlines(
+    model: &Model,
+    parts: &[Id<brep::Part>],
+    options: &BakeOptions,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Vec<Draft> {
+    let faces: Vec<(usize, Id<Face>)> = parts
+        .iter()
+        .enumerate()
+        .flat_map(|(slot, &part)| {
+            let bodies = &model.parts[part].bodies;
+            bodies.iter().flat_map(move |body| body.faces.iter().map(move |&face| (slot, face)))
+        })
+        .collect();
+    let done = AtomicUsize::new(0);
+    faces
+        .par_iter()
+        .map(|&(part, id)| {
+            let outline = outline(model, id, &options.trim);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, faces.len());
+            Draft { part, id, outline }
+        })
+        .collect()
+}
+
+fn boxes_of_parts(drafts: &[Draft], parts: usize) -> Vec<Aabb> {
+    let mut boxes = vec![Aabb::EMPTY; parts];
+    for draft in drafts {
+        if let Ok(outline) = &draft.outline {
+            boxes[draft.part] = boxes[draft.part].union(outline.bounds);
+        }
+    }
+    boxes
+}
+
+/// The scene's anchor, grid and size, and the space of each part.
+fn spaces(
+    occurrences: &[Occurrence],
+    parts: &[Id<brep::Part>],
+    part_boxes: &[Aabb],
+) -> (Header, Vec<PartSpace>) {
+    let bounds_of = |occurrence: &Occurrence| {
+        let slot = parts.binary_search(&occurrence.part).ok()?;
+        let world = part_boxes[slot].transformed(occurrence.world_from_part);
+        (!world.is_empty() && world.is_finite()).then_some(world)
+    };
+    let world = occurrences.iter().filter_map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
+    let grid_step = narrow::grid_step(world.diagonal());
+    let center = |bounds: Aabb| {
+        if bounds.is_empty() { DVec3::ZERO } else { narrow::snap(bounds.center(), grid_step) }
+    };
+    let anchor = center(world);
+    let half = if world.is_empty() {
+        DVec3::ZERO
+    } else {
+        (world.max - anchor).abs().max((world.min - anchor).abs())
+    };
+    let header = Header {
+        world_anchor: anchor.to_array(),
+        grid_step,
+        half_size: half.to_array().map(narrow::above),
+        ..Header::default()
+    };
+    (header, part_boxes.iter().map(|&bounds| PartSpace { center: center(bounds), grid_step }).collect())
+}
+
+/// Joins faces and parts into the scene; returns each part's index there and its box in part space.
+fn gather(
+    model: &Model,
+    scene: &mut SceneBuffers,
+    materials: &mut MaterialTable,
+    parts: &[Id<brep::Part>],
+    part_boxes: &[Aabb],
+    spaces: &[PartSpace],
+    drafts: Vec<Draft>,
+    baked: Vec<Option<Result<BakedFace, String>>>,
+    options: &BakeOptions,
+) -> Vec<Option<(u32, Aabb)>> {
+    let mut slots = vec![None; parts.len()];
+    let mut part_drafts: Vec<PartDraft> = Vec::new();
+    for (draft, baked) in drafts.into_iter().zip(baked) {
+        let face = &model.faces[draft.id];
+        let slot = draft.part;
+        let dropped = match (draft.outline, baked) {
+            (Err(reason), _) | (_, Some(Err(reason))) => Some(reason),
+            (Ok(outline), Some(Ok(baked))) => {
+                for repair in outline.repairs {
+                    let finding = Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", repair);
+                    metadata::report(&mut scene.metadata, finding);
+                }
+                let (part, _) = *slots[slot].get_or_insert_with(|| {
+                    let own = part_boxes[slot];
+                    let center = spaces[slot].center;
+                    let draft = PartDraft::new(Aabb { min: own.min - center, max: own.max - center });
+                    let bounds = draft.bounds;
+                    part_drafts.push(draft);
+                    let part = &model.parts[parts[slot]];
+                    scene.metadata.parts.push(PartInfo { name: part.name.clone(), entity: part.entity });
+                    (part_drafts.len() as u32 - 1, bounds)
+                });
+                let material = materials.index(face.color);
+                let target = &mut part_drafts[part as usize];
+                let added = assemble::add_face(scene, target, baked, part, material, options.keep_f64);
+                added.err().map(str::to_owned)
+            }
+            (Ok(_), None) => Some("it has no outline".to_owned()),
+        };
+        if let Some(reason) = dropped {
+            let finding = Diagnostic::dropped_face(face.entity, "ADVANCED_FACE", reason);
+            metadata::report(&mut scene.metadata, finding);
+        }
+    }
+    // The BVH over instances comes first in the arrays; its nodes are moved there once they are known.
+    for (index, result) in assemble::add_parts(scene, &part_drafts).into_iter().enumerate() {
+        if let Err(reason) = result {
+            let mut finding =
+                Diagnostic::new(Severity::Dropped, scene.metadata.parts[index].entity, "PRODUCT", reason);
+            finding.faces = scene.faces.iter().filter(|face| face.part as usize == index).count() as u32;
+            metadata::report(&mut scene.metadata, finding);
+        }
+    }
+    slots
+}
+
+/// Places the occurrences and puts their BVH in front of those of the parts.
+fn add_instances(
+    model: &Model,
+    scene: &mut SceneBuffers,
+    materials: &mut MaterialTable,
+    parts: &[Id<brep::Part>],
+    occurrences: &[Occurrence],
+    slots: &[Option<(u32, Aabb)>],
+    spaces: &[PartSpace],
+    keep_f64: bool,
+) {
+    let anchor = DVec3::from_array(scene.header.world_anchor);
+    let mut boxes = Vec::new();
+    for occurrence in occurrences {
+        let Ok(slot) = parts.binary_search(&occurrence.part) else { continue };
+        let Some((part, bounds)) = slots[slot] else { continue };
+        let material = occurrence.color.map(|color| materials.index(Some(color)));
+        match assemble::place(occurrence, part, bounds, &spaces[slot], anchor, material) {
+            Ok((instance, exact, corners)) => {
+                scene.instances.push(instance);
+                scene.metadata.instances.push(InstanceInfo { path: occurrence.path.clone() });
+                boxes.push(corners);
+                if keep_f64 {
+                    scene.instances_f64.push(exact);
+                }
+            }
+            Err(reason) => {
+                let entity = model.parts[occurrence.part].entity;
+                let reason = format!("{}: {reason}", occurrence.path);
+                let finding = Diagnostic::new(Severity::Dropped, entity, "PRODUCT", reason);
+                metadata::report(&mut scene.metadata, finding);
+            }
+        }
+    }
+    let top = bvh::build(&boxes).unwrap_or_else(|reason| {
+        metadata::report(&mut scene.metadata, Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason));
+        bvh::Tree::default()
+    });
+    scene.header.node_count = top.nodes.len() as u32;
+    for part in &mut scene.parts {
+        part.first_node += top.nodes.len() as u32;
+        part.first_primitive += top.order.len() as u32;
+    }
+    scene.bvh_nodes.splice(0..0, top.nodes);
+    scene.primitives.splice(0..0, top.order);
 }

@@ -1,10 +1,11 @@
 //! `trimray render`: pictures of models.
 
 use super::args::{General, Render};
+use super::device::Device;
 use super::load::{Purpose, load, nothing};
 use super::output::{Output, outputs};
 use super::progress::Progress;
-use super::{device, view};
+use super::view;
 use crate::render::{Background, RenderOptions};
 use std::io::Write;
 use std::path::Path;
@@ -12,7 +13,7 @@ use std::time::Instant;
 
 pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let outputs = outputs(&command.output, &command.inputs)?;
-    let mut device = device::Chooser::new(command.device, general);
+    let mut device = Device::open(command.device, general)?;
     for (input, output) in command.inputs.iter().zip(&outputs) {
         render_one(input, output, command, general, &mut device)?;
     }
@@ -24,16 +25,14 @@ fn render_one(
     output: &Output,
     command: &Render,
     general: &General,
-    device: &mut device::Chooser<'_>,
+    device: &mut Device<'_>,
 ) -> anyhow::Result<()> {
     let loaded = load(input, Purpose { keep_f64: false, strict: command.import.strict }, general)?;
     let scene = loaded.scene();
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
-    let [width, height] = command.resolution;
-    let camera =
-        view::camera(&command.view, view::bounds(scene.header), f64::from(width) / f64::from(height));
+    let camera = view::camera(&command.view, scene.header, command.resolution);
     let options = RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
@@ -51,7 +50,7 @@ fn render_one(
     log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
     output.write(&film)?;
     if let (false, Some(path)) = (general.quiet, output.path()) {
-        writeln!(std::io::stderr(), "{}: {width} by {height} pixels", path.display())?;
+        writeln!(std::io::stderr(), "{}: {} by {} pixels", path.display(), film.width, film.height)?;
     }
     Ok(())
 }

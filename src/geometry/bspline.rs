@@ -112,14 +112,16 @@ impl BsplineSurface {
         let u_count = u_knots.len() - u_degree - 1;
         let points = transposed(&points, u_count);
         let v_count = points.len() / u_count;
-        let mut surface = Self {
-            u_knots: KnotVector::new(u_degree, u_knots, u_count)?,
-            v_knots: KnotVector::new(v_degree, v_knots, v_count)?,
-            points,
-            closed: [false; 2],
-        };
+        let u_knots = KnotVector::new(u_degree, u_knots, u_count)?;
+        let v_knots = KnotVector::new(v_degree, v_knots, v_count)?;
+        Ok(Self::from_parts(u_knots, v_knots, points))
+    }
+
+    /// A surface from good knots and as many control points as they ask for.
+    pub(super) fn from_parts(u_knots: KnotVector, v_knots: KnotVector, points: Vec<Homogeneous3>) -> Self {
+        let mut surface = Self { u_knots, v_knots, points, closed: [false; 2] };
         surface.closed = surface.find_closed();
-        Ok(surface)
+        surface
     }
 
     /// The same surface over `u × v`, clamped to the domain; `None` where nothing of it is left.
@@ -131,14 +133,9 @@ impl BsplineSurface {
         let u_count = u_knots.len() - u_degree - 1;
         let points = transposed(&points, u_count);
         let v_count = points.len() / u_count;
-        let mut piece = Self {
-            u_knots: KnotVector::new(u_degree, u_knots, u_count).ok()?,
-            v_knots: KnotVector::new(v_degree, v_knots, v_count).ok()?,
-            points,
-            closed: [false; 2],
-        };
-        piece.closed = piece.find_closed();
-        Some(piece)
+        let u_knots = KnotVector::new(u_degree, u_knots, u_count).ok()?;
+        let v_knots = KnotVector::new(v_degree, v_knots, v_count).ok()?;
+        Some(Self::from_parts(u_knots, v_knots, points))
     }
 
     /// How many control points there are along u and v.

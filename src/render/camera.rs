@@ -1,8 +1,8 @@
-//! The camera: where pictures are taken from.
+//! The camera: where pictures are taken from. Where nothing is said, the whole model is in the picture.
 
 use super::Ray;
 use crate::numeric::Aabb;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// A pinhole or orthographic camera in model space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,45 @@ pub struct Camera {
     pub orthographic: bool,
 }
 
+/// What is known of a camera; the rest follows from what it should show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewpoint {
+    /// Unit vector to the top of the picture, as nearly as the direction lets it.
+    pub up: DVec3,
+    /// Unit vector into the picture; none: (−1, 1, −0.5), turned with `up` from +Z. Unused where there is a position.
+    pub direction: Option<DVec3>,
+    /// The eye; none: as near as shows everything.
+    pub position: Option<DVec3>,
+    /// What stands in the middle of the picture; none: whatever centres the model.
+    pub focal_point: Option<DVec3>,
+    /// Angle between the lower and the upper edge of the picture, radians.
+    pub view_angle: f64,
+    /// Whether rays are parallel.
+    pub orthographic: bool,
+}
+
+impl Default for Viewpoint {
+    fn default() -> Self {
+        Self {
+            up: DVec3::Z,
+            direction: None,
+            position: None,
+            focal_point: None,
+            view_angle: std::f64::consts::PI / 6.0,
+            orthographic: false,
+        }
+    }
+}
+
+/// The direction of f3d's pictures of STEP files, with +Z up.
+const DIRECTION: DVec3 = DVec3::new(-1.0, 1.0, -0.5);
+
+/// The share of the picture, across and upwards, that the model's box may fill.
+const FILL: f64 = 0.95;
+
+/// The eye is never nearer to the focal point than this share of the box's diagonal.
+const NEAREST: f64 = 1e-6;
+
 impl Camera {
     /// The ray through `(x, y)` of the picture, both in −1..=1, x to the right, y up, for a picture `aspect` times as wide as high.
     pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {
@@ -31,109 +70,174 @@ impl Camera {
             Ray { origin: self.position, direction: (self.forward + across).normalize() }
         }
     }
-}
 
-/// Share of the picture left free around the model.
-const MARGIN: f64 = 0.05;
-
-/// Half the angle of the default view, 30°.
-pub const DEFAULT_VIEW_ANGLE: f64 = std::f64::consts::PI / 6.0;
-
-impl Camera {
-    /// A camera that looks along `direction` and shows `bounds`, filling the picture up to a margin of 5 %.
-    ///
-    /// `up` is turned to the top of the picture; where it is parallel to the direction, another axis is. A zero direction or an empty
-    /// box counts as the default direction (−1, 1, −0.5) or the unit box.
-    pub fn framing(bounds: Aabb, direction: DVec3, up: DVec3, aspect: f64, orthographic: bool) -> Self {
+    /// The camera for pictures of `bounds` that are `aspect` times as wide as high. An empty box counts as the unit box.
+    pub fn new(view: &Viewpoint, bounds: Aabb, aspect: f64) -> Self {
         let usable = !bounds.is_empty() && bounds.is_finite();
         let bounds = if usable { bounds } else { Aabb { min: DVec3::ZERO, max: DVec3::ONE } };
-        let forward = direction.try_normalize().unwrap_or_else(|| DVec3::new(-1.0, 1.0, -0.5).normalize());
-        let right = [up, DVec3::Z, DVec3::Y, DVec3::X]
-            .into_iter()
-            .filter_map(|up| {
-                forward
-                    .cross(up.normalize_or_zero())
-                    .try_normalize()
-                    .filter(|_| forward.cross(up.normalize_or_zero()).length() > 1e-4)
-            })
-            .next()
-            .expect("a direction is not parallel to two axes");
+        let focal_point = view.focal_point.unwrap_or_else(|| bounds.center());
+        let direction = match view.position {
+            Some(position) => Some(focal_point - position),
+            None => view.direction,
+        };
+        let default = || DQuat::from_rotation_arc(DVec3::Z, view.up) * DIRECTION.normalize();
+        let forward = direction.and_then(DVec3::try_normalize).unwrap_or_else(default);
+        let right = right_of(forward, view.up);
         let up = right.cross(forward);
-        let aspect = if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
-        let center = bounds.center();
-        let size = bounds.diagonal().max(1e-9);
-        let fill = 1.0 - MARGIN;
+        let size = bounds.diagonal().max(f64::MIN_POSITIVE);
+
+        // The box as the camera sees it: across, up and away from the focal point.
         let corners = bounds.corners().map(|corner| {
-            let c = corner - center;
-            DVec3::new(c.dot(right), c.dot(up), c.dot(forward))
+            let from_focal = corner - focal_point;
+            DVec3::new(from_focal.dot(right), from_focal.dot(up), from_focal.dot(forward))
         });
-        if orthographic {
-            let (across, upwards) = (span(&corners, |c| c.x), span(&corners, |c| c.y));
-            let half = ((across[1] - across[0]) / aspect).max(upwards[1] - upwards[0]) * 0.5 / fill;
-            let middle = right * (across[0] + across[1]) * 0.5 + up * (upwards[0] + upwards[1]) * 0.5;
-            let position = center + middle - forward * size;
-            return Self { position, forward, right, up, half_height: half.max(size * 1e-6), orthographic };
-        }
-        let half_height = (DEFAULT_VIEW_ANGLE * 0.5).tan();
-        let eye = perspective_eye(&corners, half_height * aspect * fill, half_height * fill);
-        let position = center + right * eye.x + up * eye.y + forward * eye.z;
-        Self { position, forward, right, up, half_height, orthographic }
+        let centred = view.focal_point.is_some() || view.position.is_some();
+        let (half_height, framing) = if view.orthographic {
+            let across = Span::of(corners.map(|c| c.x), centred);
+            let upwards = Span::of(corners.map(|c| c.y), centred);
+            let half_height = (upwards.half.max(across.half / aspect) / FILL).max(size * NEAREST);
+            (half_height, DVec3::new(across.middle, upwards.middle, -size))
+        } else {
+            let tangent = (view.view_angle / 2.0).tan();
+            let across = Wedge::around(corners.map(|c| (c.x, c.z)), tangent * aspect * FILL, centred);
+            let upwards = Wedge::around(corners.map(|c| (c.y, c.z)), tangent * FILL, centred);
+            let depth = across.apex.min(upwards.apex).min(-size * NEAREST);
+            (tangent, DVec3::new(across.middle, upwards.middle, depth))
+        };
+        let framed = focal_point + right * framing.x + up * framing.y + forward * framing.z;
+        let position = view.position.unwrap_or(framed);
+        Self { position, forward, right, up, half_height, orthographic: view.orthographic }
     }
 }
 
-/// The range of `of` over the corners.
-fn span(corners: &[DVec3; 8], of: impl Fn(&DVec3) -> f64) -> [f64; 2] {
-    corners
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |range, c| [range[0].min(of(c)), range[1].max(of(c))])
+/// The picture's right. Looking along `up`, the top of the picture is what it is on a map: +Y, or −Z where +Y is up.
+fn right_of(forward: DVec3, up: DVec3) -> DVec3 {
+    [up, DVec3::Y, -DVec3::Z]
+        .into_iter()
+        .map(|up| forward.cross(up))
+        .find(|right| right.length() > 1e-6)
+        .expect("no direction is parallel to both y and z")
+        .normalize()
 }
 
-/// The nearest eye, in camera axes, from which all corners lie within the slopes `tan_x` and `tan_y`.
-///
-/// A corner (x, y, z) is inside where `|x − e.x| <= tan_x (z − e.z)`. Per axis this asks for `x − tan z <= e.x − tan e.z` and
-/// `x + tan z >= …` on the other side: the two extreme corners meet in one wedge, whose apex is as near as that axis allows.
-fn perspective_eye(corners: &[DVec3; 8], tan_x: f64, tan_y: f64) -> DVec3 {
-    let apex = |tan: f64, of: fn(&DVec3) -> f64| {
-        let high = span(corners, |c| of(c) - tan * c.z)[1];
-        let low = span(corners, |c| of(c) + tan * c.z)[0];
-        // e − tan z = high and e + tan z = low.
-        ((high + low) * 0.5, (low - high) / (2.0 * tan))
-    };
-    let (x, z_x) = apex(tan_x, |c| c.x);
-    let (y, z_y) = apex(tan_y, |c| c.y);
-    let nearest = span(corners, |c| c.z)[0];
-    DVec3::new(x, y, z_x.min(z_y).min(nearest - 1e-9))
+/// An interval around numbers.
+struct Span {
+    middle: f64,
+    half: f64,
+}
+
+impl Span {
+    fn of(numbers: [f64; 8], centred: bool) -> Self {
+        let high = numbers.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let low = numbers.into_iter().fold(f64::INFINITY, f64::min);
+        if centred {
+            Self { middle: 0.0, half: high.max(-low) }
+        } else {
+            Self { middle: (low + high) / 2.0, half: (high - low) / 2.0 }
+        }
+    }
+}
+
+/// The nearest place from which points are seen within an angle.
+struct Wedge {
+    /// Offset of the eye across.
+    middle: f64,
+    /// The greatest depth at which the eye may stand.
+    apex: f64,
+}
+
+impl Wedge {
+    /// The eye at `(e, d)` sees `(x, z)` within the slope `t` where `|x − e| <= (z − d) t`, that is `d t <= z t − x + e` and
+    /// `d t <= z t + x − e`. Over all points: `d t <= a + e` and `d t <= b − e`, best at `e = (b − a) / 2`.
+    fn around(points: [(f64, f64); 8], t: f64, centred: bool) -> Self {
+        let least = |f: &dyn Fn((f64, f64)) -> f64| points.into_iter().map(f).fold(f64::INFINITY, f64::min);
+        let a = least(&|(x, z)| z * t - x);
+        let b = least(&|(x, z)| z * t + x);
+        if centred {
+            Self { middle: 0.0, apex: a.min(b) / t }
+        } else {
+            Self { middle: (b - a) / 2.0, apex: (a + b) / (2.0 * t) }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn extremes(camera: &Camera, bounds: Aabb, aspect: f64) -> [f64; 2] {
-        let mut reach = [0.0_f64; 2];
-        for corner in bounds.corners() {
-            let c = corner - camera.position;
-            let depth = if camera.orthographic { 1.0 } else { c.dot(camera.forward) };
-            assert!(depth > 0.0);
-            reach[0] = reach[0].max((c.dot(camera.right) / depth / camera.half_height / aspect).abs());
-            reach[1] = reach[1].max((c.dot(camera.up) / depth / camera.half_height).abs());
-        }
-        reach
+    fn flat_box() -> Aabb {
+        Aabb { min: DVec3::new(1000.0, -5.0, 3.0), max: DVec3::new(1080.0, 45.0, 9.0) }
+    }
+
+    /// Where a point is in the picture, −1..=1.
+    fn project(camera: &Camera, aspect: f64, point: DVec3) -> [f64; 2] {
+        let offset = point - camera.position;
+        let depth = if camera.orthographic { 1.0 } else { offset.dot(camera.forward) };
+        assert!(depth > 0.0, "the point is in front of the eye");
+        let scale = depth * camera.half_height;
+        [offset.dot(camera.right) / scale / aspect, offset.dot(camera.up) / scale]
     }
 
     #[test]
-    fn framing_fills_the_picture_up_to_the_margin() {
-        let bounds = Aabb { min: DVec3::new(1e4, -3.0, 2.0), max: DVec3::new(1e4 + 5.0, 4.0, 2.5) };
+    fn the_box_fills_the_picture_and_no_corner_is_cut() {
         for orthographic in [false, true] {
-            for direction in [DVec3::new(-1.0, 1.0, -0.5), DVec3::NEG_Z, DVec3::X, DVec3::ZERO] {
-                for aspect in [0.5, 1.0, 5.0 / 3.0] {
-                    let camera = Camera::framing(bounds, direction, DVec3::Z, aspect, orthographic);
-                    let [x, y] = extremes(&camera, bounds, aspect);
-                    assert!((x.max(y) - 0.95).abs() < 1e-6, "{direction} {aspect}: {x} {y}");
-                    assert!((camera.right.dot(camera.up)).abs() < 1e-12);
-                    assert!((camera.right.cross(camera.forward) - camera.up).length() < 1e-12);
+            for direction in
+                [DVec3::X, -DVec3::Z, DIRECTION.normalize(), DVec3::new(0.3, -0.9, 0.2).normalize()]
+            {
+                for aspect in [0.4, 1.0, 2.5] {
+                    for focal_point in [None, Some(DVec3::new(1010.0, 0.0, 4.0))] {
+                        let direction = Some(direction);
+                        let view = Viewpoint { direction, orthographic, focal_point, ..Viewpoint::default() };
+                        let camera = Camera::new(&view, flat_box(), aspect);
+                        let seen = flat_box().corners().map(|c| project(&camera, aspect, c));
+                        let extent = seen.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
+                        assert!(
+                            (extent - FILL).abs() < 1e-9,
+                            "{extent} {direction:?} {aspect} {orthographic}"
+                        );
+                    }
                 }
             }
         }
+    }
+
+    #[test]
+    fn axes_are_orthonormal_and_up_is_up() {
+        for up in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z] {
+            let camera = Camera::new(&Viewpoint { up, ..Viewpoint::default() }, flat_box(), 1.5);
+            assert!((camera.right.cross(camera.forward) - camera.up).length() < 1e-12);
+            assert!(camera.up.dot(up) > 0.5, "{up}");
+            assert!(camera.forward.dot(up) < 0.0, "seen from above");
+        }
+    }
+
+    #[test]
+    fn a_point_and_nothing_can_be_looked_at_straight_down() {
+        for bounds in [Aabb { min: DVec3::ONE, max: DVec3::ONE }, Aabb::EMPTY] {
+            for orthographic in [false, true] {
+                let view = Viewpoint { direction: Some(-DVec3::Z), orthographic, ..Viewpoint::default() };
+                let camera = Camera::new(&view, bounds, 1.0);
+                assert!(camera.position.is_finite() && camera.half_height > 0.0);
+                assert_eq!(camera.up, DVec3::Y);
+            }
+        }
+    }
+
+    #[test]
+    fn a_position_is_kept_and_looks_at_the_model() {
+        let position = DVec3::new(0.0, -500.0, 100.0);
+        let view = Viewpoint { position: Some(position), ..Viewpoint::default() };
+        let camera = Camera::new(&view, flat_box(), 1.0);
+        assert_eq!(camera.position, position);
+        let [x, y] = project(&camera, 1.0, flat_box().center());
+        assert!(x.abs() < 1e-12 && y.abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_middle_of_the_picture_is_straight_ahead() {
+        let camera = Camera::new(&Viewpoint::default(), flat_box(), 1.0);
+        assert!((camera.ray(0.0, 0.0, 1.0).direction - camera.forward).length() < 1e-15);
+        let top = camera.ray(0.0, 1.0, 1.0).direction;
+        assert!((top.dot(camera.forward).acos() - std::f64::consts::PI / 12.0).abs() < 1e-12);
     }
 }

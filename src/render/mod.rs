@@ -7,6 +7,6 @@ pub mod gpu;
 mod options;
 mod ray;
 
-pub use camera::Camera;
+pub use camera::{Camera, Viewpoint};
 pub use options::{Background, RenderOptions};
 pub use ray::{Hit, Ray};

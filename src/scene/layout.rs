@@ -296,6 +296,9 @@ pub struct InstanceF64 {
     pub origin: [f64; 3],
 }
 
+/// Levels of a BVH at most; those of the BVH over instances and of a part's together stay within a stack of 32 entries.
+pub const MAX_TREE_DEPTH: usize = 16;
+
 /// The material index that means "as the face says".
 pub const NO_MATERIAL: u32 = u32::MAX;
 

@@ -18,8 +18,8 @@ mod metadata;
 mod validate;
 
 pub use layout::{
-    BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, Material, NO_MATERIAL, Net, NetLeaf,
-    Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+    BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_TREE_DEPTH, Material, NO_MATERIAL,
+    Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
 };
 pub use metadata::{FaceInfo, InstanceInfo, Metadata, PartInfo};
 pub use validate::{InvalidScene, validate};

@@ -6,9 +6,19 @@
 //! straight segments, and what comes out is a set of exactly closed loops (neighbouring segments share their end points
 //! bit for bit), so that inside is "an odd number of crossings", whatever the file's flags say.
 
+mod chain;
+mod fit;
 mod loops;
 mod monotone;
+mod outline;
 mod pcurve;
+mod region;
+mod segment;
+mod target;
+mod wrap;
+
+#[cfg(test)]
+mod tests;
 
 pub use loops::trim_face;
 pub use monotone::split_monotone;

@@ -30,40 +30,59 @@ fn search(curve: &Curve, point: DVec3, seed: Option<f64>, limits: Option<[f64; 2
     if let Some(seed) = seed.filter(|seed| seed.is_finite()) {
         return polish(curve, point, seed, limits).0;
     }
-    let parameters = samples(curve);
-    let distances: Vec<f64> = parameters.iter().map(|t| curve.point(*t).distance_squared(point)).collect();
-    let last = parameters.len() - 1;
-    let lowest = |i: &usize| {
-        let (before, after) = match limits {
-            Some(_) => (i.saturating_sub(1), (i + 1).min(last)),
-            None => ((i + last) % (last + 1), (i + 1) % (last + 1)),
+    // Each smooth piece is searched by itself: a kink between two minima is no obstacle then.
+    let mut candidates: Vec<(f64, f64, [f64; 2])> = Vec::new();
+    let pieces = smooth_pieces(curve);
+    let most = MAX_SAMPLES / pieces.len();
+    for piece in pieces {
+        let samples: Vec<_> = samples(curve, piece, most)
+            .into_iter()
+            .map(|t| (curve.point(t).distance_squared(point), t))
+            .collect();
+        let last = samples.len() - 1;
+        let lowest = |i: &usize| {
+            let here = samples[*i].0;
+            here <= samples[i.saturating_sub(1)].0 && here <= samples[(i + 1).min(last)].0
         };
-        distances[*i] <= distances[before] && distances[*i] <= distances[after]
-    };
-    let mut candidates: Vec<usize> = (0..=last).filter(lowest).collect();
-    candidates.sort_by(|a, b| distances[*a].total_cmp(&distances[*b]));
+        candidates.extend((0..=last).filter(lowest).map(|i| (samples[i].0, samples[i].1, piece)));
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     candidates
         .into_iter()
         .take(MAX_CANDIDATES)
-        .map(|i| polish(curve, point, parameters[i], limits))
+        .map(|(_, t, piece)| polish(curve, point, t, Some(piece)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(parameters[0], |(t, _)| t)
+        .map_or(curve.domain()[0], |(t, _)| t)
 }
 
-/// Parameters over the domain, dense enough that each local minimum of the distance shows for points near the curve.
-fn samples(curve: &Curve) -> Vec<f64> {
+/// The domain, cut where the curve may have kinks.
+fn smooth_pieces(curve: &Curve) -> Vec<[f64; 2]> {
+    let domain = curve.domain();
+    let mut ends = curve.breaks(domain);
+    ends.insert(0, domain[0]);
+    ends.push(domain[1]);
+    ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// At most about `most` parameters from end to end of a smooth piece, dense enough that each local minimum of the
+/// distance shows for points near the curve.
+fn samples(curve: &Curve, piece: [f64; 2], most: usize) -> Vec<f64> {
     let even =
         |[a, b]: [f64; 2], count: usize| (0..count).map(move |i| a + (b - a) * (i as f64 / count as f64));
-    match curve {
+    let mut samples: Vec<f64> = match curve {
         Curve::Bspline(spline) => {
             let knots = spline.knots.as_slice();
-            let spans: Vec<_> = spline.knots.spans().map(|k| [knots[k], knots[k + 1]]).collect();
-            let each = (4 * spline.knots.degree()).min(MAX_SAMPLES / spans.len()).max(1);
-            let inner = spans.into_iter().flat_map(|span| even(span, each));
-            inner.chain([spline.domain()[1]]).collect()
+            let (first, last) = (spline.knots.find_span(piece[0]), knots.partition_point(|k| *k < piece[1]));
+            let spans: Vec<_> =
+                (first..last).map(|k| [knots[k], knots[k + 1]]).filter(|[a, b]| a < b).collect();
+            let each = (4 * spline.knots.degree()).min(most / spans.len().max(1)).max(1);
+            spans.into_iter().flat_map(|span| even(span, each)).collect()
         }
-        _ => even(curve.domain(), 32).collect(),
-    }
+        _ => even(piece, 32).collect(),
+    };
+    // Just before the end: at a knot itself the derivatives are those of the next piece.
+    samples.push(piece[1] - 1e-6 * (piece[1] - piece[0]));
+    samples
 }
 
 /// The parameter of a local minimum of the distance, and its square.

@@ -20,10 +20,9 @@ const MAX_SAMPLES: usize = 256;
 
 pub(super) fn invert(surface: &BsplineSurface, point: DVec3, seed: Option<DVec2>) -> Inversion {
     let domain = surface.domain();
-    let size = surface.size();
     let found = match seed.filter(|seed| seed.is_finite()) {
-        Some(seed) => polish(surface, domain, point, seed, size),
-        None => global(surface, domain, point, size),
+        Some(seed) => polish(surface, &Cell { range: domain, open: surface.closed.map(|c| !c) }, point, seed),
+        None => global(surface, point),
     };
     let unwrap = |axis: usize| {
         let range = [domain.min[axis], domain.max[axis]];
@@ -34,19 +33,57 @@ pub(super) fn invert(surface: &BsplineSurface, point: DVec3, seed: Option<DVec2>
 }
 
 /// The best of the polished lowest places of a grid.
-fn global(surface: &BsplineSurface, domain: ParameterBox, point: DVec3, size: f64) -> Inversion {
+fn global(surface: &BsplineSurface, point: DVec3) -> Inversion {
     let grid = Grid::new(surface, point);
-    let mut best = Inversion { uv: domain.min, distance: f64::INFINITY };
+    let mut best = Inversion { uv: surface.domain().min, distance: f64::INFINITY };
+    let close = 1e-13 * surface.size();
     for uv in grid.lowest(surface.closed) {
-        let found = polish(surface, domain, point, uv, size);
-        if found.distance < best.distance {
-            best = found;
+        for (cell, start) in cells_at(surface, uv) {
+            let found = polish(surface, &cell, point, start);
+            if found.distance < best.distance {
+                best = found;
+            }
         }
-        if best.distance <= 1e-13 * size {
+        if best.distance <= close {
             break;
         }
     }
     best
+}
+
+/// A rectangle to search in; open sides hold the search back, the others run on around the surface.
+struct Cell {
+    range: ParameterBox,
+    open: [bool; 2],
+}
+
+/// The smooth cells that a sample belongs to, each with a start inside it: a kink between two minima is no obstacle
+/// where each side is searched by itself.
+fn cells_at(surface: &BsplineSurface, uv: DVec2) -> Vec<(Cell, DVec2)> {
+    let along = |axis: usize| {
+        let knots = if axis == 0 { &surface.u_knots } else { &surface.v_knots };
+        let [first, last] = knots.domain();
+        let t = uv[axis];
+        let kinks =
+            || knots.inner_knots().filter(|(_, count)| *count >= knots.degree()).map(|(knot, _)| knot);
+        let below = kinks().filter(|knot| *knot < t).last().unwrap_or(first);
+        let above = kinks().find(|knot| *knot > t).unwrap_or(last);
+        if kinks().any(|knot| knot == t) {
+            // At a knot itself the derivatives are those of the next piece, so the one before starts a little back.
+            vec![([below, t], t - 1e-6 * (t - below), true), ([t, above], t, true)]
+        } else {
+            let kinked = kinks().next().is_some();
+            vec![([below, above], t, kinked || !surface.closed[axis])]
+        }
+    };
+    let along_v = along(1);
+    let cells = along(0).into_iter().flat_map(|(u, start_u, open_u)| {
+        along_v.iter().map(move |(v, start_v, open_v)| {
+            let range = ParameterBox { min: DVec2::new(u[0], v[0]), max: DVec2::new(u[1], v[1]) };
+            (Cell { range, open: [open_u, *open_v] }, DVec2::new(start_u, *start_v))
+        })
+    });
+    cells.collect()
 }
 
 /// Squared distances from a point over parameters of all knot spans.
@@ -126,20 +163,13 @@ fn samples(knots: &KnotVector) -> Vec<f64> {
 }
 
 /// A local minimum of the distance, reached downhill from `start`.
-fn polish(
-    surface: &BsplineSurface,
-    domain: ParameterBox,
-    point: DVec3,
-    start: DVec2,
-    size: f64,
-) -> Inversion {
+fn polish(surface: &BsplineSurface, cell: &Cell, point: DVec3, start: DVec2) -> Inversion {
+    let domain = surface.domain();
     let lengths = domain.max - domain.min;
+    let ParameterBox { min, max } = cell.range;
     let limit = |uv: DVec2| {
-        let clamped = uv.clamp(domain.min, domain.max);
-        DVec2::new(
-            if surface.closed[0] { uv.x } else { clamped.x },
-            if surface.closed[1] { uv.y } else { clamped.y },
-        )
+        let clamped = uv.clamp(min, max);
+        DVec2::new(if cell.open[0] { clamped.x } else { uv.x }, if cell.open[1] { clamped.y } else { uv.y })
     };
     let evaluate = |uv: DVec2| {
         let wrap = |axis: usize| super::super::curve::wrap(uv[axis], [domain.min[axis], domain.max[axis]]);
@@ -155,9 +185,9 @@ fn polish(
         let off = here.point - point;
         let slopes = DVec2::new(off.dot(here.du), off.dot(here.dv));
         let held: [bool; 2] = std::array::from_fn(|axis| {
-            !surface.closed[axis]
-                && ((uv[axis] <= domain.min[axis] && slopes[axis] > 0.0)
-                    || (uv[axis] >= domain.max[axis] && slopes[axis] < 0.0))
+            cell.open[axis]
+                && ((uv[axis] <= min[axis] && slopes[axis] > 0.0)
+                    || (uv[axis] >= max[axis] && slopes[axis] < 0.0))
         });
         let mut step = newton_step(&here, off, lengths, held);
         let mut halvings = 0;
@@ -176,6 +206,7 @@ fn polish(
         };
         let Some((next_uv, next, next_squared)) = advanced else { break };
         let moved = here.du * (next_uv.x - uv.x) + here.dv * (next_uv.y - uv.y);
+        let size = here.point.length() + here.du.length() * lengths.x + here.dv.length() * lengths.y;
         (uv, here, squared) = (next_uv, next, next_squared);
         if finished(moved.length(), moved_before, size) {
             break;

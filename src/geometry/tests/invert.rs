@@ -121,7 +121,11 @@ fn curves_invert() {
         let t = samples::number(u, first, last)?;
         let point = curve.point(t);
         let global = invert_curve(&curve, point, None);
-        assert!(curve.point(global).distance(point) < 1e-11, "{t} {global} {point} {} {curve:?}", curve.point(global));
+        assert!(
+            curve.point(global).distance(point) < 1e-11,
+            "{t} {global} {point} {} {curve:?}",
+            curve.point(global)
+        );
         assert!(curve.point(invert_curve(&curve, point, Some(t))).distance(point) < 1e-11);
         Ok(())
     });

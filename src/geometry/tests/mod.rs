@@ -3,3 +3,4 @@
 mod bspline;
 mod invert;
 mod samples;
+mod to_bspline;

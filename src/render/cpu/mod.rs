@@ -20,10 +20,14 @@ pub(super) mod trace;
 mod trim;
 pub(super) mod vector;
 
+#[cfg(test)]
+mod test_scenes;
+#[cfg(test)]
+mod tests;
+
 pub use self::probe::probe;
 pub use self::render::render;
 pub use frames::Kernel;
-pub use trim::split_position;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

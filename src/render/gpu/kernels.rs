@@ -6,10 +6,11 @@
 //! a constant `false` that the driver removes with all that hangs on it.
 
 use super::{Gpu, GpuError, GpuScene};
-use crate::render::cpu::bvh::STACK_SIZE;
 use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
-use crate::scene::{Face, FaceKind, Header, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node};
+use crate::scene::{
+    Face, FaceKind, Header, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
@@ -118,7 +119,7 @@ fn prelude(specialisation: &Specialisation) -> String {
         ("PLANE_STEPS", trim_node::PLANE_STEPS),
         ("FAR", trim_node::FAR),
         ("MANY", trim_node::MANY),
-        ("STACK_SIZE", STACK_SIZE as u32),
+        ("STACK_SIZE", MAX_TREE_DEPTH as u32),
     ];
     let mut text = String::new();
     for (name, value) in words {

@@ -1,0 +1,48 @@
+//! The first half of a face's bake: its trim, checked and normalised, and its box. After it the scene's size is known.
+
+use super::region::Region;
+use crate::brep::{Face, Id, Model};
+use crate::geometry::{Homogeneous, ParameterBox, Surface};
+use crate::numeric::Aabb;
+use crate::trimming::{TrimOptions, trim_face};
+use glam::DVec2;
+
+/// A face that can be baked.
+#[derive(Debug)]
+pub(super) struct Outline {
+    /// The window of surface parameters; finite, with an area.
+    pub window: ParameterBox,
+    /// The trimmed region in window units.
+    pub region: Region,
+    /// A box around the face in the part's own coordinates; finite.
+    pub bounds: Aabb,
+    /// What trimming repaired.
+    pub repairs: Vec<String>,
+}
+
+/// Trims a face; fails with the reason where nothing can be baked.
+pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Result<Outline, String> {
+    let trim = trim_face(model, id, options).map_err(|error| error.to_string())?;
+    let size = trim.window.max - trim.window.min;
+    if !(trim.window.min.is_finite() && trim.window.max.is_finite()) {
+        return Err("its trim window is not finite".into());
+    }
+    // A window narrower than the spacing of f64 numbers in it cannot be divided.
+    let spacing = trim.window.min.abs().max(trim.window.max.abs()) * (8.0 * f64::EPSILON);
+    if !size.cmpgt(spacing.max(DVec2::splat(f64::MIN_POSITIVE))).all() || !(DVec2::ONE / size).is_finite() {
+        return Err("its trim window has no area".into());
+    }
+    let region = Region::new(&trim)?;
+    let surface = &model.surfaces[model.faces[id].surface];
+    let bounds = match surface {
+        // The hull of the trim curves is tighter than the window where a plane's axes are not the face's.
+        Surface::Plane { frame } if !trim.curves.is_empty() => Aabb::around(
+            trim.curves.iter().flat_map(|curve| &curve.points).map(|p| frame.point(p.point().extend(0.0))),
+        ),
+        _ => surface.bounds(trim.window),
+    };
+    if bounds.is_empty() || !bounds.is_finite() {
+        return Err("its box is not finite".into());
+    }
+    Ok(Outline { window: trim.window, region, bounds, repairs: trim.repairs })
+}

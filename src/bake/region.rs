@@ -1,0 +1,234 @@
+//! The trimmed region of a face in normalised parameters, ready for exact bookkeeping in f32.
+//!
+//! Curves stay f64; their end points become f32 once, here, and every later clip shares its f32 vertex between the two pieces it makes. So the
+//! pieces of a region always form closed chains bit for bit, and parities found by counting shared vertices cannot disagree.
+
+use crate::geometry::{Bezier, Homogeneous, Homogeneous2};
+use crate::trimming::FaceTrim;
+use glam::DVec2;
+
+/// Ends nearer than this in normalised parameters are one vertex: a few f32 roundings of numbers up to 1.
+const SAME_VERTEX: f32 = 4.0 * f32::EPSILON;
+
+/// Control points nearer than this to their chord make a straight line: below half the spacing of f32 numbers near 1.
+const STRAIGHT: f64 = 2.5e-8;
+
+/// The highest degree that kernels evaluate.
+const MAX_DEGREE: usize = 25;
+
+/// Halvings that exhaust the bits of an f64 parameter.
+const BISECTIONS: usize = 56;
+
+/// A piece of a curve, monotone in u and in v.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    /// Index of the curve; the piece is the straight line between its ends where there is none.
+    pub curve: Option<u32>,
+    /// Curve parameters at `low` and `high`.
+    pub t: [f64; 2],
+    /// The end with the lesser v; of equal ones that with the lesser u.
+    pub low: [f32; 2],
+    /// The other end.
+    pub high: [f32; 2],
+}
+
+impl Piece {
+    fn new(curve: Option<u32>, t: [f64; 2], ends: [[f32; 2]; 2]) -> Self {
+        let [a, b] = ends;
+        if (a[1], a[0]) <= (b[1], b[0]) {
+            Self { curve, t, low: a, high: b }
+        } else {
+            Self { curve, t: [t[1], t[0]], low: b, high: a }
+        }
+    }
+
+    /// Least and greatest coordinate along an axis.
+    pub(super) fn range(&self, axis: usize) -> [f32; 2] {
+        let (a, b) = (self.low[axis], self.high[axis]);
+        [a.min(b), a.max(b)]
+    }
+
+    /// Whether it is a point.
+    pub(super) fn is_point(&self) -> bool {
+        self.low == self.high
+    }
+
+    /// Whether all of it has the coordinate `value` along `axis`.
+    pub(super) fn lies_at(&self, axis: usize, value: f32) -> bool {
+        self.low[axis] == value && self.high[axis] == value
+    }
+}
+
+/// A rectangle of normalised parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rectangle {
+    /// Least u and v.
+    pub low: [f32; 2],
+    /// Greatest u and v.
+    pub high: [f32; 2],
+}
+
+/// Curves and pieces of one face; without pieces the whole window is inside.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Region {
+    /// Normalised: the window is [0, 1]².
+    pub curves: Vec<Bezier<Homogeneous2>>,
+    /// Closed chains.
+    pub pieces: Vec<Piece>,
+    /// Whether the file's trim has any curve.
+    pub is_bounded: bool,
+}
+
+impl Region {
+    /// The region of `trim`, whose window is finite and has an area.
+    pub(super) fn new(trim: &FaceTrim) -> Result<Self, String> {
+        let low = trim.window.min;
+        let scale = DVec2::ONE / (trim.window.max - low);
+        let curves: Vec<_> = trim.curves.iter().map(|curve| normalised(curve, low, scale)).collect();
+        let mut ends = Vec::with_capacity(curves.len());
+        for curve in &curves {
+            let degree = curve.points.len().saturating_sub(1);
+            if !(1..=MAX_DEGREE).contains(&degree) {
+                return Err(format!("a trim curve has degree {degree}"));
+            }
+            if !curve.points.iter().all(|p| p.is_finite() && p.z > 0.0) {
+                return Err(
+                    "a trim curve has a point that is not finite or a weight that is not positive".into()
+                );
+            }
+            ends.push([vertex(curve.points[0]), vertex(curve.points[degree])]);
+        }
+        let links = close_chains(&mut ends);
+        let mut pieces = Vec::with_capacity(ends.len() + links.len());
+        for (index, curve) in curves.iter().enumerate() {
+            let curve_index = (!is_straight(curve)).then_some(index as u32);
+            pieces.push(Piece::new(curve_index, [0.0, 1.0], ends[index]));
+        }
+        pieces.extend(links.into_iter().map(|link| Piece::new(None, [0.0, 1.0], link)));
+        pieces.retain(|piece| !piece.is_point());
+        Ok(Self { is_bounded: !curves.is_empty(), curves, pieces })
+    }
+
+    /// Where `piece` reaches the coordinate `value` along `axis`, which must lie between its ends: curve parameter and the other coordinate.
+    pub(super) fn solve(&self, piece: &Piece, axis: usize, value: f32) -> (f64, f32) {
+        let other = 1 - axis;
+        let target = f64::from(value);
+        let (from, to) = (f64::from(piece.low[axis]), f64::from(piece.high[axis]));
+        let (t, found) = match piece.curve {
+            None => {
+                let share = ((target - from) / (to - from)).clamp(0.0, 1.0);
+                let (a, b) = (f64::from(piece.low[other]), f64::from(piece.high[other]));
+                (piece.t[0] + share * (piece.t[1] - piece.t[0]), a + share * (b - a))
+            }
+            Some(curve) => {
+                let curve = &self.curves[curve as usize];
+                let [mut before, mut after] = piece.t;
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (before + after);
+                    let at = curve.eval(middle).point()[axis];
+                    if (at < target) == (from < to) {
+                        before = middle;
+                    } else {
+                        after = middle;
+                    }
+                }
+                let t = 0.5 * (before + after);
+                (t, curve.eval(t).point()[other])
+            }
+        };
+        let [least, greatest] = piece.range(other);
+        (t, (found as f32).clamp(least, greatest))
+    }
+
+    /// The parts of `piece` below and above `value` along `axis`, sharing their vertex at exactly `value`; points are left out.
+    pub(super) fn clip(&self, piece: &Piece, axis: usize, value: f32) -> [Option<Piece>; 2] {
+        let [least, greatest] = piece.range(axis);
+        if greatest <= value && least < value {
+            return [Some(*piece), None];
+        }
+        if least >= value {
+            return [None, Some(*piece)];
+        }
+        let (t, across) = self.solve(piece, axis, value);
+        let mut vertex = [value; 2];
+        vertex[1 - axis] = across;
+        let first = Piece::new(piece.curve, [piece.t[0], t], [piece.low, vertex]);
+        let second = Piece::new(piece.curve, [t, piece.t[1]], [vertex, piece.high]);
+        let (below, above) = if piece.low[axis] < value { (first, second) } else { (second, first) };
+        [(!below.is_point()).then_some(below), (!above.is_point()).then_some(above)]
+    }
+
+    /// Whether `piece` may have a point in `rectangle`; a no is certain up to f32 rounding.
+    pub(super) fn touches(&self, piece: &Piece, rectangle: &Rectangle) -> bool {
+        let mut low = rectangle.low;
+        let mut high = rectangle.high;
+        for axis in 0..2 {
+            let [least, greatest] = piece.range(axis);
+            low[axis] = low[axis].max(least);
+            high[axis] = high[axis].min(greatest);
+            if low[axis] > high[axis] {
+                return false;
+            }
+        }
+        if piece.lies_at(0, piece.low[0]) || piece.lies_at(1, piece.low[1]) {
+            return true;
+        }
+        // A monotone piece misses the rectangle where the corner that is first met from its left or from its right is beyond it.
+        let rising = piece.high[0] > piece.low[0];
+        let (left_test, right_test) = if rising {
+            ([high[0], low[1]], [low[0], high[1]])
+        } else {
+            ([high[0], high[1]], [low[0], low[1]])
+        };
+        let all_left = self.solve(piece, 1, left_test[1]).1 > left_test[0];
+        let all_right = self.solve(piece, 1, right_test[1]).1 < right_test[0];
+        !(all_left || all_right)
+    }
+}
+
+/// `curve` in window units.
+fn normalised(curve: &Bezier<Homogeneous2>, low: DVec2, scale: DVec2) -> Bezier<Homogeneous2> {
+    let map = |p: &Homogeneous2| ((p.truncate() - low * p.z) * scale).extend(p.z);
+    Bezier { points: curve.points.iter().map(map).collect() }
+}
+
+/// The f32 vertex of an end point, held to the window.
+fn vertex(point: Homogeneous2) -> [f32; 2] {
+    point.point().as_vec2().to_array().map(|x| if x > 0.0 { x.min(1.0) } else { 0.0 })
+}
+
+/// Whether the control points lie on the chord.
+fn is_straight(curve: &Bezier<Homogeneous2>) -> bool {
+    let first = curve.points[0].point();
+    let chord = curve.points[curve.points.len() - 1].point() - first;
+    let Some(direction) = chord.try_normalize() else {
+        return true;
+    };
+    curve.points.iter().all(|p| direction.perp_dot(p.point() - first).abs() <= STRAIGHT)
+}
+
+/// Makes consecutive ends equal where they are nearly so; returns the straight links that close what stays open.
+fn close_chains(ends: &mut [[[f32; 2]; 2]]) -> Vec<[[f32; 2]; 2]> {
+    let near =
+        |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() <= SAME_VERTEX && (a[1] - b[1]).abs() <= SAME_VERTEX;
+    let mut links = Vec::new();
+    let mut chain_start = 0;
+    for index in 0..ends.len() {
+        let end = ends[index][1];
+        let start = ends[chain_start][0];
+        let next = ends.get(index + 1).map(|e| e[0]);
+        match next {
+            // The chain goes on, unless it closes here and the next one begins at the same vertex.
+            Some(next) if near(next, end) && !near(end, start) => ends[index + 1][0] = end,
+            _ => {
+                if near(end, start) {
+                    ends[index][1] = start;
+                } else {
+                    links.push([end, start]);
+                }
+                chain_start = index + 1;
+            }
+        }
+    }
+    links
+}

@@ -1,0 +1,262 @@
+//! From closed loops in the universal cover to the trimmed region in one window.
+//!
+//! Three cases. *Islands*: no loop goes round the surface; the largest loop sets the window. On a surface that is closed
+//! in itself the largest loop may be a hole, which its direction tells: then the whole surface is added. *Bands*: loops
+//! go round; two of them bound a band, a single one closes against the pole, apex or domain edge on the side on which
+//! the face lies. *Windows*: no loops at all.
+
+use super::monotone::split_monotone;
+use super::outline::Chain;
+use super::segment::{
+    Segment, end, extent, is_constant, point_at, samples, shift, signed_area, start, straight,
+};
+use super::target::Target;
+use super::wrap::{Strip, wrap};
+use super::{FaceTrim, TrimError};
+use crate::geometry::{ParameterBox, Surface};
+use glam::DVec2;
+
+/// What is gathered on the way.
+#[derive(Default)]
+pub(super) struct Report {
+    pub(super) deviation: f64,
+    pub(super) repairs: Vec<String>,
+}
+
+/// The face that covers its whole surface.
+pub(super) fn whole_surface(surface: &Surface) -> Result<FaceTrim, TrimError> {
+    let window = surface.domain();
+    if !(window.min.is_finite() && window.max.is_finite()) {
+        return Err(TrimError::Unbounded(format!("a whole {} has no end", surface.kind())));
+    }
+    Ok(FaceTrim { window, curves: Vec::new(), deviation: 0.0, repairs: Vec::new() })
+}
+
+/// The region bounded by `chains`; `left` tells whether the face lies left of them in the parameter plane.
+pub(super) fn region(
+    target: &Target,
+    mut chains: Vec<Chain>,
+    left: bool,
+    mut report: Report,
+) -> Result<FaceTrim, TrimError> {
+    let finite = |s: &Segment| s.points.iter().all(|p| p.is_finite());
+    if !chains.iter().all(|chain| chain.segments.iter().all(finite)) {
+        return Err(TrimError::Numeric("a loop has parameters that are not finite".into()));
+    }
+    for chain in &mut chains {
+        chain.segments = chain
+            .segments
+            .iter()
+            .filter(|s| s.points.len() > 2 || start(s) != end(s))
+            .flat_map(split_monotone)
+            .collect();
+    }
+    chains.retain(|chain| !chain.segments.is_empty());
+    if chains.is_empty() {
+        return Err(TrimError::Empty);
+    }
+    let winds = |axis: usize| chains.iter().any(|chain| chain.winding[axis] != 0);
+    let (origin, axes) = match (winds(0), winds(1)) {
+        (true, true) => {
+            return Err(TrimError::Numeric("the loops go round the surface both ways".into()));
+        }
+        (false, false) => (island(target, &mut chains, left), [0, 1]),
+        (along_u, _) => {
+            let axis = usize::from(!along_u);
+            (band(target, &mut chains, axis, left, &mut report)?, [axis, 1 - axis])
+        }
+    };
+    let mut sets: Vec<Vec<Segment>> = chains.into_iter().map(|chain| chain.segments).collect();
+    for axis in axes {
+        if let Some(period) = target.periods[axis] {
+            let snap = snap_distance(target, &sets, axis, period);
+            sets = vec![wrap(sets, Strip { axis, origin: origin[axis], period, snap })?];
+        }
+    }
+    finished(sets.into_iter().flatten().collect(), report)
+}
+
+/// Parameters closer than this to the side of a strip are on it: ten tolerances in space.
+fn snap_distance(target: &Target, sets: &[Vec<Segment>], axis: usize, period: f64) -> f64 {
+    let steepest = sets.iter().flatten().map(|s| target.metric(start(s))[axis]).fold(0.0, f64::max);
+    (10.0 * target.tolerance / steepest).clamp(1e-12 * period, 1e-7 * period)
+}
+
+/// No loop goes round: the window starts at the least parameters of the largest loop.
+fn island(target: &Target, chains: &mut Vec<Chain>, left: bool) -> DVec2 {
+    let areas: Vec<f64> = chains.iter().map(|chain| signed_area(&chain.segments)).collect();
+    let largest =
+        (0..areas.len()).max_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs())).expect("there are loops");
+    let [origin, _] = extent(&chains[largest].segments);
+    let is_hole = (areas[largest] > 0.0) != left;
+    if is_hole && is_closed_surface(target) {
+        let mut low = origin;
+        let mut high = origin;
+        for axis in 0..2 {
+            match target.periods[axis] {
+                Some(period) => high[axis] += period,
+                None => (low[axis], high[axis]) = (target.domain.min[axis], target.domain.max[axis]),
+            }
+        }
+        chains.push(Chain { segments: rectangle(low, high), winding: [0; 2] });
+    }
+    origin
+}
+
+/// Whether the surface bounds a volume by itself: each parameter wraps or ends in poles.
+fn is_closed_surface(target: &Target) -> bool {
+    (0..2).all(|axis| {
+        let pole_at = |value: f64| {
+            target
+                .singularities
+                .iter()
+                .any(|s| s.axis == axis && (s.value - value).abs() <= 1e-9 * (1.0 + value.abs()))
+        };
+        target.periods[axis].is_some()
+            || (pole_at(target.domain.min[axis]) && pole_at(target.domain.max[axis]))
+    })
+}
+
+fn rectangle(low: DVec2, high: DVec2) -> Vec<Segment> {
+    let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    (0..4).map(|i| straight(corners[i], corners[(i + 1) % 4])).collect()
+}
+
+/// Loops go round along `axis`.
+fn band(
+    target: &Target,
+    chains: &mut Vec<Chain>,
+    axis: usize,
+    left: bool,
+    report: &mut Report,
+) -> Result<DVec2, TrimError> {
+    let across = 1 - axis;
+    let period = target.periods[axis].expect("only periodic parameters wind");
+    let rounds: Vec<usize> = (0..chains.len()).filter(|&i| chains[i].winding[axis] % 2 != 0).collect();
+    // The side of the face, in the direction of the other parameter: left of +u is +v, left of +v is −u.
+    let faces_up = |i: usize| (chains[i].winding[axis] > 0) == ((axis == 0) == left);
+    let ups = rounds.iter().filter(|&&i| faces_up(i)).count();
+    let Some(&reference) = rounds.iter().find(|&&i| faces_up(i)).or(rounds.first()) else {
+        return Err(TrimError::Numeric("a loop goes round the surface twice".into()));
+    };
+    let mut origin = DVec2::ZERO;
+    origin[axis] = cut_position(chains, &rounds, axis, period);
+    if let Some(width) = target.periods[across] {
+        if rounds.len() % 2 == 1 {
+            return Err(TrimError::Numeric("a single loop goes round the surface".into()));
+        }
+        let level = |chain: &Chain| mean(chain, across);
+        let base = level(&chains[reference]);
+        for &i in rounds.iter().filter(|&&i| i != reference) {
+            let above = (level(&chains[i]) - base).rem_euclid(width);
+            // The other side of the seam, not the same place.
+            let above = if above <= 1e-6 * width { width } else { above };
+            let mut offset = DVec2::ZERO;
+            offset[across] = base + above - level(&chains[i]);
+            let turns = (offset[across] / width).round() * width;
+            offset[across] = turns;
+            chains[i].segments.iter_mut().for_each(|s| shift(s, offset));
+        }
+        origin[across] = extent(&chains[reference].segments)[0][across];
+    } else if rounds.len() % 2 == 1 {
+        let up = 2 * ups > rounds.len();
+        let level = mean(&chains[reference], across);
+        let limit = closing_value(target, across, level, up, report)?;
+        let mut ends = [origin; 2];
+        ends[1][axis] += period;
+        ends.iter_mut().for_each(|p| p[across] = limit);
+        chains.push(Chain { segments: vec![straight(ends[0], ends[1])], winding: [0; 2] });
+    }
+    Ok(origin)
+}
+
+/// A place to cut where, if possible, a loop has a joint and no hole lies.
+fn cut_position(chains: &[Chain], rounds: &[usize], axis: usize, period: f64) -> f64 {
+    let holes: Vec<[f64; 2]> = chains
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !rounds.contains(i))
+        .map(|(_, chain)| extent(&chain.segments).map(|p| p[axis]))
+        .collect();
+    let free = |x: f64| {
+        holes.iter().all(|[low, high]| {
+            let above = x + ((low - x) / period).ceil() * period;
+            above <= *low || above >= *high
+        })
+    };
+    let joints = || rounds.iter().flat_map(|&i| chains[i].segments.iter().map(|s| start(s)[axis]));
+    let first = joints().next().unwrap_or(0.0);
+    let hole_ends = holes.iter().map(|hole| hole[1]);
+    // Looking at some joints is enough: the cut is right anywhere.
+    joints().take(64).chain(hole_ends.take(64)).find(|&x| free(x)).unwrap_or(first)
+}
+
+fn mean(chain: &Chain, axis: usize) -> f64 {
+    let (sum, count) = chain
+        .segments
+        .iter()
+        .flat_map(samples)
+        .fold((0.0, 0.0), |(sum, count), p| (sum + p[axis], count + 1.0));
+    sum / count
+}
+
+/// Where a band with one loop ends on the other side.
+fn closing_value(
+    target: &Target,
+    across: usize,
+    level: f64,
+    up: bool,
+    report: &mut Report,
+) -> Result<f64, TrimError> {
+    let on_side = |up: bool| {
+        let beyond = |value: f64| if up { value > level } else { value < level };
+        let pole =
+            target.singularities.iter().filter(|s| s.axis == across && beyond(s.value)).map(|s| s.value);
+        let edge = if up { target.domain.max[across] } else { target.domain.min[across] };
+        pole.min_by(|a, b| (a - level).abs().total_cmp(&(b - level).abs()))
+            .or_else(|| (edge.is_finite() && beyond(edge)).then_some(edge))
+    };
+    if let Some(value) = on_side(up) {
+        return Ok(value);
+    }
+    let value = on_side(!up).ok_or_else(|| {
+        TrimError::Unbounded(format!("one loop around a {} bounds nothing", target.surface.kind()))
+    })?;
+    report.repairs.push("the loop runs the wrong way round".into());
+    Ok(value)
+}
+
+/// The window and the final form.
+fn finished(curves: Vec<Segment>, report: Report) -> Result<FaceTrim, TrimError> {
+    let [min, max] = extent(&curves);
+    if curves.is_empty() || !(min.cmplt(max).all()) {
+        return Err(TrimError::Empty);
+    }
+    let window = ParameterBox { min, max };
+    let on_border = |s: &Segment| {
+        (0..2).any(|axis| is_constant(s, axis) && [min[axis], max[axis]].contains(&start(s)[axis]))
+    };
+    let curves = if curves.iter().all(on_border) { Vec::new() } else { curves };
+    if !curves.is_empty() && spread(&curves, window) < 1e-12 {
+        return Err(TrimError::Empty);
+    }
+    Ok(FaceTrim { window, curves, deviation: report.deviation, repairs: report.repairs })
+}
+
+/// How far the curves leave the window's diagonal or any other line: 0 for a region without area. Measured as the
+/// greatest absolute sum of cross products along the curves, in units of the window's area.
+fn spread(curves: &[Segment], window: ParameterBox) -> f64 {
+    let size = window.max - window.min;
+    let points: Vec<DVec2> = curves
+        .iter()
+        .flat_map(|s| [0.0, 0.3, 0.7, 1.0].map(|t| (point_at(s, t) - window.min) / size))
+        .collect();
+    let Some(far) = points
+        .iter()
+        .copied()
+        .max_by(|a, b| (*a - points[0]).length_squared().total_cmp(&(*b - points[0]).length_squared()))
+    else {
+        return 0.0;
+    };
+    points.iter().map(|p| (*p - points[0]).perp_dot(far - points[0]).abs()).fold(0.0, f64::max)
+}
