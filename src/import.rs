@@ -1,6 +1,7 @@
 //! Which reader a file needs, and its call.
 
 use crate::brep::Model;
+use crate::step;
 use std::path::Path;
 
 /// Why a file cannot be imported.
@@ -34,7 +35,76 @@ pub enum ImportError {
     },
 }
 
-/// Reads a CAD file of any known format.
+/// What a file's first bytes say it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Step,
+    Iges,
+    Gzip,
+    Zip,
+    Unknown,
+}
+
+/// Reads a CAD file of any known format; its contents decide, not its name.
 pub fn import(path: &Path) -> Result<Model, ImportError> {
-    todo!()
+    let bytes = std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
+    let unsupported =
+        |what: &str| Err(ImportError::Unsupported { path: path.to_owned(), what: what.to_owned() });
+    match sniff(&bytes) {
+        Format::Step => {
+            step::read(&bytes).map_err(|source| ImportError::Step { path: path.to_owned(), source })
+        }
+        Format::Iges => unsupported("IGES import comes with a later version"),
+        Format::Gzip => unsupported("the file is compressed with gzip; unpack it first"),
+        Format::Zip => unsupported("the file is a zip archive; unpack it first"),
+        Format::Unknown => unsupported("neither STEP nor IGES: it begins as neither"),
+    }
+}
+
+fn sniff(bytes: &[u8]) -> Format {
+    if step::is_exchange_structure(bytes) {
+        Format::Step
+    } else if bytes.starts_with(b"\x1F\x8B") {
+        Format::Gzip
+    } else if bytes.starts_with(b"PK\x03\x04") {
+        Format::Zip
+    } else if is_iges(bytes) {
+        Format::Iges
+    } else {
+        Format::Unknown
+    }
+}
+
+/// IGES 5.3, 2.2: lines of 80 columns, the section's letter in column 73, the line's number in 74 to 80; the first section is S.
+fn is_iges(bytes: &[u8]) -> bool {
+    bytes.get(72..80).is_some_and(|columns| {
+        matches!(columns[0], b'S' | b's')
+            && columns[1..7].iter().all(|c| matches!(c, b' ' | b'0'))
+            && columns[7] == b'1'
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_decide() {
+        let iges = format!("{:72}S      1\n", "");
+        for (bytes, format) in [
+            (&b"\xEF\xBB\xBF\r\n/* a */ ISO-10303-21;"[..], Format::Step),
+            (iges.as_bytes(), Format::Iges),
+            (b"\x1F\x8B\x08", Format::Gzip),
+            (b"PK\x03\x04", Format::Zip),
+            (b"solid cube", Format::Unknown),
+            (b"", Format::Unknown),
+        ] {
+            assert_eq!(sniff(bytes), format);
+        }
+    }
+
+    #[test]
+    fn a_missing_file_is_an_error() {
+        assert!(matches!(import(Path::new("no such file.step")), Err(ImportError::Io { .. })));
+    }
 }

@@ -1,23 +1,64 @@
 //! Which device computes: a hardware GPU where there is one, else the CPU, unless one is asked for by name. It says which, once, on
-//! stderr; where the GPU fails under `auto`, the CPU takes over with the reason.
+//! stderr; where the GPU fails under `auto`, the CPU takes over, with the reason.
 
 use super::args::{DeviceChoice, General};
 use crate::image::Film;
 use crate::render::cpu::{self, Precision};
+#[cfg(feature = "gpu")]
+use crate::render::gpu::{AdapterChoice, Gpu, GpuError, GpuScene};
 use crate::render::{Camera, Hit, Ray, RenderOptions};
 use crate::scene::Scene;
 use std::io::Write;
 
-/// The devices of one run of a command; the GPU is opened when it is first needed.
-pub(super) struct Chooser<'a> {
+/// The device of one run of a command.
+pub(super) struct Device<'a> {
     choice: DeviceChoice,
     general: &'a General,
-    said: bool,
+    #[cfg(feature = "gpu")]
+    gpu: Option<Gpu>,
+    /// Why it is not the GPU, where it might have been.
+    reason: Option<String>,
+    announced: bool,
 }
 
-impl<'a> Chooser<'a> {
-    pub(super) fn new(choice: DeviceChoice, general: &'a General) -> Self {
-        Self { choice, general, said: false }
+impl<'a> Device<'a> {
+    /// Opens the device of choice.
+    ///
+    /// # Errors
+    ///
+    /// The GPU was asked for by name and there is none.
+    pub(super) fn open(choice: DeviceChoice, general: &'a General) -> anyhow::Result<Self> {
+        let mut device = Self {
+            choice,
+            general,
+            #[cfg(feature = "gpu")]
+            gpu: None,
+            reason: None,
+            announced: false,
+        };
+        device.open_gpu()?;
+        Ok(device)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn open_gpu(&mut self) -> anyhow::Result<()> {
+        let adapters = match self.choice {
+            DeviceChoice::Cpu => return Ok(()),
+            DeviceChoice::Auto => AdapterChoice::Hardware,
+            DeviceChoice::Gpu => AdapterChoice::Any,
+        };
+        match Gpu::new(adapters) {
+            Ok(gpu) => self.gpu = Some(gpu),
+            Err(error) if self.choice == DeviceChoice::Gpu => return Err(error.into()),
+            Err(error) => self.reason = Some(error.to_string()),
+        }
+        Ok(())
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn open_gpu(&mut self) -> anyhow::Result<()> {
+        anyhow::ensure!(self.choice != DeviceChoice::Gpu, "this trimray was built without the `gpu` feature");
+        Ok(())
     }
 
     /// Renders a picture.
@@ -28,32 +69,108 @@ impl<'a> Chooser<'a> {
         options: &RenderOptions,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> anyhow::Result<Film> {
-        self.refuse_gpu()?;
-        self.say(&format!("rendering on the CPU, {} threads", rayon::current_num_threads()));
+        #[cfg(feature = "gpu")]
+        self.announce_gpu();
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &self.gpu {
+            match gpu.upload(scene).and_then(|uploaded| gpu.render(&uploaded, camera, options, progress)) {
+                Ok(film) => return Ok(film),
+                Err(error) => self.fall_back(error)?,
+            }
+        }
+        self.announce_cpu();
         Ok(cpu::render(scene, camera, options, progress))
     }
 
-    /// Answers rays.
-    pub(super) fn probe(
-        &mut self,
-        scene: &Scene<'_>,
-        rays: &[Ray],
+    /// Prepares to answer rays. Only the CPU knows f64.
+    pub(super) fn prober<'s>(
+        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "only the GPU may fail here"))] mut self,
+        scene: Scene<'s>,
         precision: Precision,
-        first_only: bool,
-    ) -> anyhow::Result<Vec<Vec<Hit>>> {
-        self.refuse_gpu()?;
-        Ok(cpu::probe(scene, rays, precision, first_only))
+    ) -> anyhow::Result<Prober<'a, 's>> {
+        #[cfg(feature = "gpu")]
+        let uploaded = match (&self.gpu, precision) {
+            (Some(gpu), Precision::F32) => Some(gpu.upload(&scene)),
+            _ => None,
+        };
+        #[cfg(feature = "gpu")]
+        let uploaded = match uploaded {
+            Some(Err(error)) => {
+                self.fall_back(error)?;
+                None
+            }
+            Some(Ok(uploaded)) => {
+                self.announce_gpu();
+                Some(uploaded)
+            }
+            None => None,
+        };
+        Ok(Prober {
+            device: self,
+            scene,
+            precision,
+            #[cfg(feature = "gpu")]
+            uploaded,
+        })
     }
 
-    fn refuse_gpu(&self) -> anyhow::Result<()> {
-        anyhow::ensure!(self.choice != DeviceChoice::Gpu, "this trimray was built without the `gpu` feature");
+    /// Passes the GPU's error on where the GPU was asked for by name; else the CPU takes over.
+    #[cfg(feature = "gpu")]
+    fn fall_back(&mut self, error: GpuError) -> anyhow::Result<()> {
+        if self.choice == DeviceChoice::Gpu {
+            return Err(error.into());
+        }
+        self.gpu = None;
+        self.reason = Some(error.to_string());
+        self.announced = false;
+        self.announce_cpu();
         Ok(())
     }
 
-    fn say(&mut self, text: &str) {
-        if !self.said && !self.general.quiet {
-            let _ = writeln!(std::io::stderr(), "{text}");
+    #[cfg(feature = "gpu")]
+    fn announce_gpu(&mut self) {
+        if let Some(name) = self.gpu.as_ref().map(|gpu| gpu.name().to_owned()) {
+            self.announce(&name);
         }
-        self.said = true;
+    }
+
+    fn announce_cpu(&mut self) {
+        let threads = rayon::current_num_threads();
+        let reason = self.reason.as_ref().map(|reason| format!(" ({reason})")).unwrap_or_default();
+        self.announce(&format!("the CPU, {threads} threads{reason}"));
+    }
+
+    fn announce(&mut self, name: &str) {
+        if !self.announced && !self.general.quiet {
+            // Nobody is left to tell if stderr is closed.
+            let _ = writeln!(std::io::stderr(), "computing on {name}");
+        }
+        self.announced = true;
+    }
+}
+
+/// A device that answers rays of one scene.
+pub(super) struct Prober<'a, 's> {
+    device: Device<'a>,
+    scene: Scene<'s>,
+    precision: Precision,
+    #[cfg(feature = "gpu")]
+    uploaded: Option<GpuScene<'s>>,
+}
+
+impl Prober<'_, '_> {
+    /// All hits of each ray, nearest first, or only the nearest of each.
+    pub(super) fn probe(&mut self, rays: &[Ray], first_only: bool) -> anyhow::Result<Vec<Vec<Hit>>> {
+        #[cfg(feature = "gpu")]
+        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
+            match gpu.probe(uploaded, rays, first_only) {
+                Ok(hits) => return Ok(hits),
+                Err(error) => self.device.fall_back(error)?,
+            }
+        }
+        if self.device.choice != DeviceChoice::Cpu {
+            self.device.announce_cpu();
+        }
+        Ok(cpu::probe(&self.scene, rays, self.precision, first_only))
     }
 }

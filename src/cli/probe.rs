@@ -1,7 +1,8 @@
 //! `trimray probe`: rays in, exact hits out, a line each.
 
+use super::Failure;
 use super::args::{DeviceChoice, General, HitsChoice, PrecisionChoice, Probe};
-use super::device::Chooser;
+use super::device::Device;
 use super::load::{Purpose, load, nothing};
 use crate::render::cpu::Precision;
 use crate::render::{Hit, Ray};
@@ -24,6 +25,9 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
         Box::new(BufReader::new(file))
     };
     let wants_f64 = match (command.precision, command.device) {
+        (Some(PrecisionChoice::F64), DeviceChoice::Gpu) => {
+            return Err(Failure::Usage("the GPU computes in f32".into()).into());
+        }
         (Some(precision), _) => precision == PrecisionChoice::F64,
         (None, device) => device != DeviceChoice::Gpu,
     };
@@ -35,7 +39,8 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
         return Err(nothing(&command.input, &scene, "probe").into());
     }
     let precision = precision(command, wants_f64, &scene, general)?;
-    let mut device = Chooser::new(command.device, general);
+    let choice = if precision == Precision::F64 { DeviceChoice::Cpu } else { command.device };
+    let mut prober = Device::open(choice, general)?.prober(scene, precision)?;
     let first_only = command.hits == HitsChoice::First;
     let mut lines =
         RayLines { reader: rays, name: command.rays.display().to_string(), number: 0, text: Vec::new() };
@@ -43,7 +48,7 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
     loop {
         let batch = lines.batch();
         let answered = batch.rays.len();
-        let hits = device.probe(&scene, &batch.rays, precision, first_only)?;
+        let hits = prober.probe(&batch.rays, first_only)?;
         for (ray, hits) in batch.rays.iter().zip(&hits) {
             write_hits(&mut out, &scene, ray, hits)?;
         }

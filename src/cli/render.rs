@@ -1,10 +1,11 @@
 //! `trimray render`: pictures of models.
 
 use super::args::{General, Render};
+use super::device::Device;
 use super::load::{Purpose, load, nothing};
 use super::output::{Output, outputs};
 use super::progress::Progress;
-use super::{device, view};
+use super::view;
 use crate::render::{Background, RenderOptions};
 use std::io::Write;
 use std::path::Path;
@@ -12,7 +13,7 @@ use std::time::Instant;
 
 pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let outputs = outputs(&command.output, &command.inputs)?;
-    let mut device = device::Chooser::new(command.device, general);
+    let mut device = Device::open(command.device, general)?;
     for (input, output) in command.inputs.iter().zip(&outputs) {
         render_one(input, output, command, general, &mut device)?;
     }
@@ -24,7 +25,7 @@ fn render_one(
     output: &Output,
     command: &Render,
     general: &General,
-    device: &mut device::Chooser<'_>,
+    device: &mut Device<'_>,
 ) -> anyhow::Result<()> {
     let loaded = load(input, Purpose { keep_f64: false, strict: command.import.strict }, general)?;
     let scene = loaded.scene();

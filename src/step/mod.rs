@@ -1,11 +1,69 @@
 //! STEP: ISO 10303-21 exchange structures of AP203, AP214, AP242 and whatever else carries a B-rep.
+//!
+//! ```text
+//! bytes ─scan→ statement index ─catalog→ starting points ─map_*→ brep::Model
+//!                    └─ value: one entity decoded whenever the mapping reaches it
+//! ```
+//!
+//! The schema's name decides nothing: entities are read by their keywords. A broken statement costs itself; a face that
+//! cannot be mapped costs itself. Invariant: faces imported plus faces in the diagnostics are the faces declared.
 
-use crate::brep::Model;
+mod catalog;
+mod groups;
+mod header;
+mod map_assembly;
+mod map_bspline;
+mod map_edge;
+mod map_geometry;
+mod map_pcurve;
+mod map_style;
+mod map_surface;
+mod map_swept;
+mod map_topology;
+mod reader;
+mod scan;
+mod text;
+mod units;
+mod value;
+
+#[cfg(test)]
+mod corpus_tests;
+#[cfg(test)]
+mod tests;
+
+use crate::brep::{Model, Severity};
+use reader::{Problem, Reader};
+
+pub use scan::is_exchange_structure;
 
 /// Reads a STEP file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there is no exchange
 /// structure or no entity in it.
 pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
-    todo!()
+    if !scan::is_exchange_structure(bytes) {
+        return Err(StepError::NotStep);
+    }
+    let index = scan::index(bytes);
+    if index.statements.is_empty() {
+        return Err(match index.faults.first() {
+            Some(fault) => StepError::Invalid { line: index.line(fault.at), reason: fault.reason.into() },
+            None => StepError::Invalid {
+                line: index.line(bytes.len()),
+                reason: "the file has no entities".into(),
+            },
+        });
+    }
+    let mut reader = Reader::new(index);
+    reader.model.source = header::source(&reader.index);
+    for fault in std::mem::take(&mut reader.index.faults) {
+        let reason = format!("line {}: {}", reader.index.line(fault.at), fault.reason);
+        reader.report(Severity::Warning, Problem { entity: fault.id, kind: "syntax".into(), reason });
+    }
+    let catalog = catalog::read(&reader);
+    reader.model.declared_faces = catalog.faces.len();
+    reader.open_faces = catalog.faces.clone();
+    let styles = map_style::read(&reader, &catalog.styled_items);
+    map_assembly::map(&mut reader, &catalog, &styles);
+    Ok(reader.model)
 }
 
 /// Why a file is no STEP file.

@@ -28,7 +28,7 @@ pub fn cube(size: f64, unit: &str) -> String {
         for side in 0..2_usize {
             let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
             let corner = |s: usize, t: usize| side << axis | s << a | t << b;
-            let mut ring = vec![corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            let mut ring = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
             if side == 0 {
                 ring.reverse();
             }

@@ -1,0 +1,72 @@
+//! One pass over all statements that finds those from which the mapping starts.
+
+use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
+use super::reader::Reader;
+use super::value;
+use std::collections::HashSet;
+
+/// Entity numbers by what they are, in ascending order.
+#[derive(Debug, Default)]
+pub struct Catalog {
+    /// Declared faces.
+    pub faces: HashSet<u64>,
+    /// Solids, surface models, shells.
+    pub bodies: Vec<u64>,
+    /// Styled items of all kinds.
+    pub styled_items: Vec<u64>,
+    /// Shape representations of all kinds.
+    pub representations: Vec<u64>,
+    /// SHAPE_DEFINITION_REPRESENTATION.
+    pub definitions: Vec<u64>,
+    /// Relationships between representations.
+    pub relationships: Vec<u64>,
+    /// CONTEXT_DEPENDENT_SHAPE_REPRESENTATION.
+    pub placements: Vec<u64>,
+}
+
+/// Sorts all statements.
+pub fn read(reader: &Reader) -> Catalog {
+    let mut catalog = Catalog::default();
+    for statement in &reader.index.statements {
+        let body = &reader.index.bytes[statement.body.clone()];
+        let keyword = value::leading_keyword(body);
+        if keyword.is_empty() {
+            let Ok(entity) = reader.entity(statement.id) else { continue };
+            // A complex instance is what its most specific part says; the parts stand in alphabetical order.
+            let keyword = |keyword: &&str| entity.is(keyword);
+            let known = FACE_KEYWORDS
+                .iter()
+                .chain(&BODY_KEYWORDS)
+                .chain(&COMPLEX_KEYWORDS)
+                .copied()
+                .find(|k| keyword(&k));
+            if let Some(known) = known {
+                catalog.add(known, statement.id);
+            }
+        } else {
+            catalog.add(&value::upper_case(keyword), statement.id);
+        }
+    }
+    catalog
+}
+
+/// Further keywords that complex instances are known by.
+const COMPLEX_KEYWORDS: [&str; 4] =
+    ["STYLED_ITEM", "REPRESENTATION_RELATIONSHIP", "SHAPE_DEFINITION_REPRESENTATION", "SHAPE_REPRESENTATION"];
+
+impl Catalog {
+    fn add(&mut self, keyword: &str, id: u64) {
+        match keyword {
+            _ if FACE_KEYWORDS.contains(&keyword) => {
+                self.faces.insert(id);
+            }
+            _ if BODY_KEYWORDS.contains(&keyword) => self.bodies.push(id),
+            "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION" => self.placements.push(id),
+            "SHAPE_DEFINITION_REPRESENTATION" => self.definitions.push(id),
+            _ if keyword.ends_with("STYLED_ITEM") => self.styled_items.push(id),
+            _ if keyword.contains("REPRESENTATION_RELATIONSHIP") => self.relationships.push(id),
+            _ if keyword.ends_with("SHAPE_REPRESENTATION") => self.representations.push(id),
+            _ => {}
+        }
+    }
+}

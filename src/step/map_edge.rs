@@ -1,0 +1,197 @@
+//! Vertices and edges (ISO 10303-42, clause 5): where each edge runs on its curve.
+
+use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
+use super::value::Entity;
+use crate::brep::{Edge, Id, Severity, Vertex};
+use crate::geometry::{Curve, invert_curve};
+use glam::DVec3;
+
+/// Vertices closer than this (in millimetres) are one: an edge between them on a closed curve runs all around.
+const SAME_POINT: f64 = 1e-6;
+
+/// An end of a B-spline counts as the vertex where it is nearer than this part of the curve's extent. Files keep some seven
+/// digits; inverting the vertex instead would cut a sliver off the curve's end.
+const END_TOLERANCE: f64 = 1e-5;
+
+impl Reader<'_> {
+    /// The vertex `id`.
+    pub fn vertex(&mut self, id: u64) -> Mapped<Id<Vertex>> {
+        if let Some(&known) = self.vertices.get(&id) {
+            return Ok(known);
+        }
+        let entity = self.entity(id)?;
+        let record =
+            entity.record("VERTEX_POINT").ok_or_else(|| problem(&entity, "expected a VERTEX_POINT"))?;
+        let at = if entity.records.len() > 1 { 0 } else { 1 };
+        let point = self.point(reference(id, record, at)?)?;
+        let vertex = self.model.vertices.push(Vertex { point, entity: id });
+        self.vertices.insert(id, vertex);
+        Ok(vertex)
+    }
+
+    /// The vertex of a poly loop at point `id`.
+    pub fn point_vertex(&mut self, id: u64) -> Mapped<Id<Vertex>> {
+        if let Some(&known) = self.vertices.get(&id) {
+            return Ok(known);
+        }
+        let point = self.point(id)?;
+        let vertex = self.model.vertices.push(Vertex { point, entity: id });
+        self.vertices.insert(id, vertex);
+        Ok(vertex)
+    }
+
+    /// The edge `id`, and whether it is used against its own direction.
+    pub fn oriented_edge(&mut self, id: u64) -> Mapped<(Id<Edge>, bool)> {
+        let (mut id, mut reversed) = (id, false);
+        for _ in 0..MAX_CHAIN {
+            let entity = self.entity(id)?;
+            let Some(record) = entity.record("ORIENTED_EDGE") else {
+                return Ok((self.edge(id, &entity)?, reversed));
+            };
+            // Name, start, end, element, orientation; a partial record has the last two alone.
+            let at = if entity.records.len() > 1 { 0 } else { 3 };
+            reversed ^= record.logical(at + 1) == Some(false);
+            id = reference(id, record, at)?;
+        }
+        Err(Problem {
+            entity: id,
+            kind: "ORIENTED_EDGE".into(),
+            reason: "edges refer to each other in a circle".into(),
+        })
+    }
+
+    fn edge(&mut self, id: u64, entity: &Entity) -> Mapped<Id<Edge>> {
+        if let Some(&known) = self.edges.get(&id) {
+            return Ok(known);
+        }
+        let complex = entity.records.len() > 1;
+        let ends = entity.record("EDGE").filter(|_| complex).unwrap_or(entity.first());
+        let at = if complex { 0 } else { 1 };
+        let start = self.vertex(reference(id, ends, at)?)?;
+        let end = self.vertex(reference(id, ends, at + 1)?)?;
+        let (curve, same_sense) = self.edge_geometry(entity);
+        let points = [start, end].map(|v| self.model.vertices[v].point);
+        let edge = match curve.and_then(|id| self.curve(id)) {
+            Ok(mapped) => {
+                let closed = start == end || points[0].distance(points[1]) <= SAME_POINT;
+                let range = edge_range(&mapped.curve, points, closed, same_sense);
+                let pcurves = self.pcurves(&mapped.pcurves, &mapped.curve);
+                Edge { curve: mapped.curve, range, vertices: [start, end], pcurves, entity: id }
+            }
+            Err(reason) if points[0].distance(points[1]) > SAME_POINT => {
+                let reason =
+                    format!("{} #{}: {}; a straight edge instead", reason.kind, reason.entity, reason.reason);
+                self.report(Severity::Warning, problem(entity, reason));
+                line_edge(start, end, points, id)
+            }
+            Err(reason) => return Err(reason),
+        };
+        let edge = self.model.edges.push(edge);
+        self.edges.insert(id, edge);
+        Ok(edge)
+    }
+
+    /// The curve of an edge and whether the edge runs in its sense.
+    fn edge_geometry(&self, entity: &Entity) -> (Mapped<u64>, bool) {
+        if let Some(record) = entity.record("EDGE_CURVE") {
+            let at = if entity.records.len() > 1 { 0 } else { 3 };
+            return (reference(entity.id, record, at), record.logical(at + 1) != Some(false));
+        }
+        // A SUBEDGE lies on its parent's curve.
+        let parent = entity.record("SUBEDGE").and_then(|r| r.parameters.last()).and_then(|p| p.reference());
+        let parent = parent.and_then(|id| self.entity(id).ok());
+        let record = parent.as_ref().and_then(|p| p.record("EDGE_CURVE"));
+        match record {
+            Some(record) => (reference(entity.id, record, 3), record.logical(4) != Some(false)),
+            None => (Err(problem(entity, "the edge has no curve")), true),
+        }
+    }
+
+    /// The straight edge between two vertices of a poly loop, and whether it was made the other way round.
+    pub fn poly_edge(&mut self, start: Id<Vertex>, end: Id<Vertex>, entity: u64) -> (Id<Edge>, bool) {
+        let key = [start.min(end), start.max(end)];
+        if let Some(&known) = self.poly_edges.get(&key) {
+            return (known, self.model.edges[known].vertices[0] != start);
+        }
+        let points = [start, end].map(|v| self.model.vertices[v].point);
+        let edge = self.model.edges.push(line_edge(start, end, points, entity));
+        self.poly_edges.insert(key, edge);
+        (edge, false)
+    }
+}
+
+fn line_edge(start: Id<Vertex>, end: Id<Vertex>, points: [DVec3; 2], entity: u64) -> Edge {
+    let curve = Curve::Line { origin: points[0], direction: points[1] - points[0] };
+    Edge { curve, range: [0.0, 1.0], vertices: [start, end], pcurves: Vec::new(), entity }
+}
+
+/// The parameters of an edge's ends, in the order in which the edge runs.
+fn edge_range(curve: &Curve, points: [DVec3; 2], closed: bool, same_sense: bool) -> [f64; 2] {
+    let domain = curve.domain();
+    let ends = match curve {
+        Curve::Bspline(_) => {
+            let tolerance = END_TOLERANCE * extent(curve, domain);
+            let [low, high] = domain.map(|t| curve.point(t));
+            let parameter = |point: DVec3, first: bool| {
+                let (near, far) = if first == same_sense { (0, 1) } else { (1, 0) };
+                let distances = [low.distance(point), high.distance(point)];
+                // The end where the sense wants it; the other one where only that fits.
+                [near, far].into_iter().find(|&i| distances[i] <= tolerance).map(|i| domain[i])
+            };
+            [parameter(points[0], true), parameter(points[1], false)]
+        }
+        _ => [None, None],
+    };
+    let start = ends[0].unwrap_or_else(|| invert_curve(curve, points[0], None));
+    if closed {
+        if let Some(period) = curve.period() {
+            return [start, if same_sense { start + period } else { start - period }];
+        }
+    }
+    let end = ends[1].unwrap_or_else(|| invert_curve(curve, points[1], None));
+    let Some(period) = curve.period() else { return [start, end] };
+    // A periodic curve is left in its sense: less than one turn, more than none.
+    let turn = if same_sense { end - start } else { start - end };
+    let turn = turn.rem_euclid(period);
+    let turn = if turn == 0.0 { period } else { turn };
+    [start, if same_sense { start + turn } else { start - turn }]
+}
+
+/// A rough size of a curve: the longest distance from its start to a sample.
+fn extent(curve: &Curve, domain: [f64; 2]) -> f64 {
+    let start = curve.point(domain[0]);
+    (1..=8)
+        .map(|i| curve.point(domain[0] + (domain[1] - domain[0]) * f64::from(i) / 8.0).distance(start))
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Frame;
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+    #[test]
+    fn arcs_run_in_their_sense() {
+        let circle = Curve::Circle { frame: Frame::IDENTITY, radius: 2.0 };
+        let close = |a: [f64; 2], b: [f64; 2]| {
+            let turns = ((a[0] - b[0]) / TAU).round() * TAU;
+            assert!(
+                (a[0] - b[0] - turns).abs() < 1e-12 && (a[1] - b[1] - turns).abs() < 1e-12,
+                "{a:?} {b:?}"
+            );
+        };
+        let (x, y) = (DVec3::X * 2.0, DVec3::Y * 2.0);
+        close(edge_range(&circle, [x, y], false, true), [0.0, FRAC_PI_2]);
+        close(edge_range(&circle, [x, y], false, false), [0.0, -1.5 * PI]);
+        close(edge_range(&circle, [y, x], false, true), [FRAC_PI_2, TAU]);
+        close(edge_range(&circle, [x, x], true, true), [0.0, TAU]);
+        close(edge_range(&circle, [x, x], true, false), [0.0, -TAU]);
+    }
+
+    #[test]
+    fn lines_need_no_sense() {
+        let line = Curve::Line { origin: DVec3::ZERO, direction: DVec3::X * 2.0 };
+        assert_eq!(edge_range(&line, [DVec3::X * 4.0, DVec3::X], false, true), [2.0, 0.5]);
+    }
+}

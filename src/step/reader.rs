@@ -1,0 +1,149 @@
+//! What all mapping functions share: the indexed file, the model in the making, what was already mapped, and the findings.
+
+use super::scan::Index;
+use super::units::Units;
+use super::value::{self, Entity, Record};
+use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
+use crate::geometry::Surface;
+use std::collections::{HashMap, HashSet};
+
+/// Why an entity cannot be mapped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The entity at fault.
+    pub entity: u64,
+    /// Its keyword.
+    pub kind: String,
+    /// What is wrong.
+    pub reason: String,
+}
+
+/// The result of a mapping.
+pub type Mapped<T> = Result<T, Problem>;
+
+/// A chain of references (a curve's basis, a unit's base, a style's parts) may not be longer than this; longer ones are
+/// cyclic or hostile.
+pub const MAX_CHAIN: usize = 16;
+
+/// A mapped surface as its faces need it.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceUse {
+    /// The surface.
+    pub id: Id<Surface>,
+    /// Whether its normal is opposite to that of the file's surface.
+    pub flipped: bool,
+    /// Whether its parameters are those of the file's surface, units aside.
+    pub keeps_parameters: bool,
+}
+
+/// The state of one import.
+pub struct Reader<'a> {
+    /// The file.
+    pub index: Index<'a>,
+    /// What was mapped.
+    pub model: Model,
+    /// The units of the representation that is being mapped.
+    pub units: Units,
+    /// Vertices by the entity of the vertex or, in poly loops, of the point.
+    pub vertices: HashMap<u64, Id<Vertex>>,
+    /// Edges by entity.
+    pub edges: HashMap<u64, Id<Edge>>,
+    /// Edges of poly loops by their vertices, lower index first.
+    pub poly_edges: HashMap<[Id<Vertex>; 2], Id<Edge>>,
+    /// Surfaces by entity, those aside that depend on the face.
+    pub surfaces: HashMap<u64, SurfaceUse>,
+    /// Faces that the file declares and that are neither imported nor reported yet.
+    pub open_faces: HashSet<u64>,
+    /// Bodies and shells already mapped.
+    pub taken_bodies: HashSet<u64>,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader at the start.
+    pub fn new(index: Index<'a>) -> Self {
+        Self {
+            index,
+            model: Model::default(),
+            units: Units::default(),
+            vertices: HashMap::new(),
+            edges: HashMap::new(),
+            poly_edges: HashMap::new(),
+            surfaces: HashMap::new(),
+            open_faces: HashSet::new(),
+            taken_bodies: HashSet::new(),
+        }
+    }
+
+    /// Decodes entity `id`.
+    pub fn entity(&self, id: u64) -> Mapped<Entity<'a>> {
+        let statement = self.index.find(id).ok_or_else(|| Problem {
+            entity: id,
+            kind: "reference".into(),
+            reason: "the file has no such entity".into(),
+        })?;
+        let bytes = self.index.bytes;
+        value::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
+            entity: id,
+            kind: String::from_utf8_lossy(value::leading_keyword(&bytes[statement.body.clone()]))
+                .into_owned(),
+            reason: format!("line {}: {}", self.index.line(error.at), error.reason),
+        })
+    }
+
+    /// The entity that parameter `at` of `record`, a part of entity `owner`, refers to.
+    pub fn referred(&self, owner: u64, record: &Record, at: usize) -> Mapped<Entity<'a>> {
+        self.entity(reference(owner, record, at)?)
+    }
+
+    /// Changes the units in force; what was mapped under other units is not reused.
+    pub fn set_units(&mut self, units: Units) {
+        if units.millimetres != self.units.millimetres || units.radians != self.units.radians {
+            self.vertices.clear();
+            self.edges.clear();
+            self.poly_edges.clear();
+            self.surfaces.clear();
+        }
+        self.units = units;
+    }
+
+    /// Records a finding that costs no face.
+    pub fn report(&mut self, severity: Severity, problem: Problem) {
+        let Problem { entity, kind, reason } = problem;
+        self.model.diagnostics.push(Diagnostic::new(severity, entity, kind, reason));
+    }
+
+    /// Records that the declared face `id` is lost.
+    pub fn drop_face(&mut self, id: u64, kind: &str, problem: &Problem) {
+        if self.open_faces.remove(&id) {
+            let reason = if problem.entity == id {
+                problem.reason.clone()
+            } else {
+                format!("{} #{}: {}", problem.kind, problem.entity, problem.reason)
+            };
+            self.model.diagnostics.push(Diagnostic::dropped_face(id, kind, reason));
+        }
+    }
+}
+
+/// A problem of `entity`.
+pub fn problem(entity: &Entity, reason: impl Into<String>) -> Problem {
+    Problem { entity: entity.id, kind: entity.kind(), reason: reason.into() }
+}
+
+/// Parameter `at` of `record`, a part of entity `owner`, as a reference.
+pub fn reference(owner: u64, record: &Record, at: usize) -> Mapped<u64> {
+    record.reference(at).ok_or_else(|| Problem {
+        entity: owner,
+        kind: record.keyword.to_string(),
+        reason: format!("parameter {} is no reference", at + 1),
+    })
+}
+
+/// Parameter `at` of `record`, a part of entity `owner`, as a finite number.
+pub fn real(owner: u64, record: &Record, at: usize) -> Mapped<f64> {
+    record.real(at).ok_or_else(|| Problem {
+        entity: owner,
+        kind: record.keyword.to_string(),
+        reason: format!("parameter {} is no number", at + 1),
+    })
+}

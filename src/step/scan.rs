@@ -1,0 +1,363 @@
+//! The statement index of an exchange structure (ISO 10303-21, clauses 5 and 9): where each instance begins and ends.
+//!
+//! Only the borders of statements are found here; what is inside is decoded when the mapping reaches it
+//! ([`super::value`]). So a broken statement costs itself, and what nobody refers to costs nothing.
+//!
+//! Outside of strings and comments `;` ends a statement and `=` appears nowhere but after an instance name. The second
+//! fact finds the end of a statement whose `;` is missing: the next `#digits=` begins a new one. A string that runs over
+//! the beginning of another instance at a line's start was never closed.
+//!
+//! Invariants: statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
+//! and do not overlap; memory is linear in the number of statements.
+
+use memchr::{memchr, memmem};
+use std::cell::OnceCell;
+use std::ops::Range;
+
+/// One instance: `#id = body ;`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Statement {
+    /// The instance name's number.
+    pub id: u64,
+    /// Bytes between `=` and `;`.
+    pub body: Range<usize>,
+}
+
+/// Something wrong with the text at a byte position.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// Byte offset.
+    pub at: usize,
+    /// The instance concerned; 0 where none is.
+    pub id: u64,
+    /// What is wrong.
+    pub reason: &'static str,
+}
+
+/// The indexed file.
+#[derive(Debug)]
+pub struct Index<'a> {
+    /// The whole file.
+    pub bytes: &'a [u8],
+    /// Bytes of the header section, keyword and end excluded; empty where there is none.
+    pub header: Range<usize>,
+    /// All instances of all data sections, sorted by id.
+    pub statements: Vec<Statement>,
+    /// What was wrong on the way.
+    pub faults: Vec<Fault>,
+    /// Offsets of line breaks, found when a line number is first asked for.
+    line_breaks: OnceCell<Vec<usize>>,
+}
+
+impl Index<'_> {
+    /// The statement with this id.
+    pub fn find(&self, id: u64) -> Option<&Statement> {
+        self.statements.binary_search_by_key(&id, |s| s.id).ok().map(|at| &self.statements[at])
+    }
+
+    /// The line, from 1, of a byte offset.
+    pub fn line(&self, at: usize) -> usize {
+        let breaks = self.line_breaks.get_or_init(|| memchr::memchr_iter(b'\n', self.bytes).collect());
+        1 + breaks.partition_point(|&line_break| line_break < at)
+    }
+}
+
+/// Whether the file begins as an exchange structure, after a byte order mark, white space and comments.
+pub fn is_exchange_structure(bytes: &[u8]) -> bool {
+    let start = skip_blank(bytes, byte_order_mark(bytes));
+    bytes[start..].get(..9).is_some_and(|word| word.eq_ignore_ascii_case(b"ISO-10303"))
+}
+
+fn byte_order_mark(bytes: &[u8]) -> usize {
+    if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 }
+}
+
+/// The first position at or after `at` that is neither white space (or another control character) nor in a comment.
+pub fn skip_blank(bytes: &[u8], mut at: usize) -> usize {
+    while at < bytes.len() {
+        if bytes[at] <= b' ' {
+            at += 1;
+        } else if bytes[at..].starts_with(b"/*") {
+            at = comment_end(bytes, at);
+        } else {
+            break;
+        }
+    }
+    at
+}
+
+fn comment_end(bytes: &[u8], at: usize) -> usize {
+    memmem::find(&bytes[at + 2..], b"*/").map_or(bytes.len(), |length| at + 2 + length + 2)
+}
+
+/// The position after a keyword's last character.
+pub fn keyword_end(bytes: &[u8], at: usize) -> usize {
+    let is_part = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'!');
+    bytes[at..].iter().position(|b| !is_part(b)).map_or(bytes.len(), |length| at + length)
+}
+
+/// Reads `#digits` and returns the number and the position after it; `None` where there is no such name or it does not fit.
+pub fn instance_name(bytes: &[u8], at: usize) -> Option<(u64, usize)> {
+    if bytes.get(at) != Some(&b'#') {
+        return None;
+    }
+    let mut end = at + 1;
+    let mut id = 0_u64;
+    while let Some(digit) = bytes.get(end).filter(|b| b.is_ascii_digit()) {
+        id = id.checked_mul(10)?.checked_add(u64::from(digit - b'0'))?;
+        end += 1;
+    }
+    (end > at + 1).then_some((id, end))
+}
+
+/// `#digits =` at `at`: the number, and the position after the `=`.
+fn instance_start(bytes: &[u8], at: usize) -> Option<(u64, usize)> {
+    let (id, end) = instance_name(bytes, at)?;
+    let equals = skip_blank(bytes, end);
+    (bytes.get(equals) == Some(&b'=')).then_some((id, equals + 1))
+}
+
+/// Finds all statements.
+pub fn index(bytes: &[u8]) -> Index<'_> {
+    let mut index = Index {
+        bytes,
+        header: 0..0,
+        statements: Vec::new(),
+        faults: Vec::new(),
+        line_breaks: OnceCell::new(),
+    };
+    let mut at = byte_order_mark(bytes);
+    let mut in_data = false;
+    loop {
+        at = skip_blank(bytes, at);
+        if at >= bytes.len() {
+            break;
+        }
+        if in_data && bytes[at] == b'#' {
+            at = read_instance(&mut index, at);
+            continue;
+        }
+        let end = keyword_end(bytes, at);
+        let keyword = bytes[at..end].to_ascii_uppercase();
+        let next = statement_end(bytes, end).next;
+        match keyword.as_slice() {
+            b"DATA" => in_data = true,
+            b"ENDSEC" => in_data = false,
+            b"HEADER" => {
+                index.header = next..section_end(bytes, next);
+                at = index.header.end;
+                continue;
+            }
+            b"&SCOPE" | b"ENDSCOPE" => {}
+            _ if in_data => index.faults.push(Fault { at, id: 0, reason: "text that is no instance" }),
+            _ => {}
+        }
+        at = match bytes[at] {
+            // Edition 1's scopes have no `;` of their own: what follows is an instance.
+            b'&' => keyword_end(bytes, at + 1),
+            _ if keyword == b"ENDSCOPE" => end,
+            _ => next.max(at + 1),
+        };
+    }
+    sort_by_id(&mut index);
+    index
+}
+
+/// Reads the instance at `at` and returns where the next statement begins.
+fn read_instance(index: &mut Index, at: usize) -> usize {
+    let bytes = index.bytes;
+    let Some((id, start)) = instance_start(bytes, at) else {
+        index.faults.push(Fault { at, id: 0, reason: "an instance needs `#number =`" });
+        return statement_end(bytes, at + 1).next;
+    };
+    let start = skip_blank(bytes, start);
+    if bytes[start..].get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"&SCOPE")) {
+        return read_scope(index, id, start + 6);
+    }
+    let end = statement_end(bytes, start);
+    if let Some(reason) = end.fault {
+        index.faults.push(Fault { at, id, reason });
+    }
+    index.statements.push(Statement { id, body: start..end.body });
+    end.next
+}
+
+/// `&SCOPE #2=...; ENDSCOPE /#2/ KEYWORD(...)`: the inner instances are read as any others, the outer body follows `ENDSCOPE`.
+fn read_scope(index: &mut Index, id: u64, mut at: usize) -> usize {
+    let bytes = index.bytes;
+    loop {
+        at = skip_blank(bytes, at);
+        let Some((inner, start)) = instance_start(bytes, at) else { break };
+        let end = statement_end(bytes, start);
+        index.statements.push(Statement { id: inner, body: start..end.body });
+        at = end.next;
+    }
+    if bytes[at..].get(..8).is_some_and(|word| word.eq_ignore_ascii_case(b"ENDSCOPE")) {
+        at = skip_blank(bytes, at + 8);
+        if bytes.get(at) == Some(&b'/') {
+            at = memchr(b'/', &bytes[at + 1..]).map_or(bytes.len(), |length| at + length + 2);
+        }
+    }
+    let end = statement_end(bytes, at);
+    index.statements.push(Statement { id, body: at.min(end.body)..end.body });
+    end.next
+}
+
+/// The position of the `ENDSEC`, `DATA` or instance that ends the header beginning at `at`.
+fn section_end(bytes: &[u8], mut at: usize) -> usize {
+    loop {
+        at = skip_blank(bytes, at);
+        let end = keyword_end(bytes, at.min(bytes.len()));
+        let keyword = &bytes[at..end];
+        let ends = keyword.eq_ignore_ascii_case(b"ENDSEC") || keyword.eq_ignore_ascii_case(b"DATA");
+        if at >= bytes.len() || ends || bytes[at] == b'#' {
+            return at;
+        }
+        at = statement_end(bytes, end).next.max(at + 1);
+    }
+}
+
+struct StatementEnd {
+    /// Where the body ends.
+    body: usize,
+    /// Where the next statement may begin.
+    next: usize,
+    /// What was wrong.
+    fault: Option<&'static str>,
+}
+
+/// The end of the statement that `at` lies in.
+fn statement_end(bytes: &[u8], mut at: usize) -> StatementEnd {
+    let start = at;
+    while at < bytes.len() {
+        match bytes[at] {
+            b';' => return StatementEnd { body: at, next: at + 1, fault: None },
+            b'\'' => match string_end(bytes, at) {
+                Ok(end) => at = end,
+                Err(end) => {
+                    return StatementEnd { body: end, next: end, fault: Some("a string is not closed") };
+                }
+            },
+            b'/' if bytes.get(at + 1) == Some(&b'*') => at = comment_end(bytes, at),
+            b'=' => match name_before(bytes, start, at) {
+                Some(name) => {
+                    return StatementEnd { body: name, next: name, fault: Some("`;` is missing") };
+                }
+                None => at += 1,
+            },
+            _ => at += 1,
+        }
+    }
+    StatementEnd { body: bytes.len(), next: bytes.len(), fault: Some("the file ends inside a statement") }
+}
+
+/// The position after the string that begins at `at`; or, where it is not closed, where the next instance begins.
+fn string_end(bytes: &[u8], at: usize) -> Result<usize, usize> {
+    let mut from = at + 1;
+    loop {
+        let Some(length) = memchr(b'\'', &bytes[from..]) else {
+            return Err(line_with_instance(bytes, at + 1, bytes.len()).unwrap_or(bytes.len()));
+        };
+        if let Some(line) = line_with_instance(bytes, from, from + length) {
+            return Err(line);
+        }
+        from += length + 1;
+        if bytes.get(from) != Some(&b'\'') {
+            return Ok(from);
+        }
+        from += 1;
+    }
+}
+
+/// The first line beginning in `from..to` that begins with `#digits=`.
+fn line_with_instance(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
+    memchr::memchr_iter(b'\n', &bytes[from..to])
+        .map(|length| from + length + 1)
+        .find(|&line| instance_start(bytes, line).is_some())
+}
+
+/// Where the instance name begins that stands before the `=` at `equals`, not before `start`.
+fn name_before(bytes: &[u8], start: usize, equals: usize) -> Option<usize> {
+    let text = &bytes[start..equals];
+    let digits_end = text.iter().rposition(|&b| b > b' ')? + 1;
+    let hash = text[..digits_end].iter().rposition(|b| !b.is_ascii_digit())?;
+    (text[hash] == b'#' && hash + 1 < digits_end).then_some(start + hash)
+}
+
+fn sort_by_id(index: &mut Index) {
+    if !index.statements.is_sorted_by(|a, b| a.id < b.id) {
+        index.statements.sort_by_key(|s| s.id);
+        let faults = &mut index.faults;
+        index.statements.dedup_by(|later, kept| {
+            let same = later.id == kept.id;
+            if same {
+                let reason = "an instance with this number came before; this one is ignored";
+                faults.push(Fault { at: later.body.start, id: later.id, reason });
+            }
+            same
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bodies(text: &str) -> Vec<(u64, &str)> {
+        let index = index(text.as_bytes());
+        index.statements.iter().map(|s| (s.id, text[s.body.clone()].trim())).collect()
+    }
+
+    fn data(body: &str) -> String {
+        format!("ISO-10303-21;HEADER;FILE_SCHEMA(('X'));ENDSEC;DATA;{body}ENDSEC;END-ISO-10303-21;")
+    }
+
+    #[test]
+    fn statements_end_at_semicolons_outside_of_strings_and_comments() {
+        let text = data("#2=A('it''s; #9=B()', /* ; ' #8=C(); */ 1);#1 = B ( ) ;\n");
+        assert_eq!(bodies(&text), [(1, "B ( )"), (2, "A('it''s; #9=B()', /* ; ' #8=C(); */ 1)")]);
+    }
+
+    #[test]
+    fn lower_case_sections_marks_and_missing_ends() {
+        let text = "\u{feff} /* note */ iso-10303-21;\nHeader;\nEndsec;\nData;\n#7=A();";
+        assert!(is_exchange_structure(text.as_bytes()));
+        assert_eq!(bodies(text), [(7, "A()")]);
+    }
+
+    #[test]
+    fn a_missing_semicolon_costs_nothing() {
+        assert_eq!(bodies(&data("\n#1=A(1)\n#2=B(2);\n")), [(1, "A(1)"), (2, "B(2)")]);
+    }
+
+    #[test]
+    fn an_open_string_costs_its_statement_only() {
+        assert_eq!(bodies(&data("\n#1=A('x);\n#2=B('y');\n")), [(1, "A('x);"), (2, "B('y')")]);
+    }
+
+    #[test]
+    fn several_data_sections_and_skipped_sections() {
+        let text = "ISO-10303-21;HEADER;ENDSEC;ANCHOR;<a>=#1;ENDSEC;REFERENCE;#5=<x#y>;ENDSEC;\
+                    DATA('one',('S'));#1=A();ENDSEC;DATA;#2=B();ENDSEC;END-ISO-10303-21;#3=C();";
+        assert_eq!(bodies(text), [(1, "A()"), (2, "B()")]);
+    }
+
+    #[test]
+    fn huge_ids_and_garbage() {
+        let text = data("#18446744073709551615=A();#99999999999999999999=B();garbage;#3=C();#3=D();");
+        assert_eq!(bodies(&text), [(3, "C()"), (u64::MAX, "A()")]);
+        assert_eq!(index(text.as_bytes()).faults.len(), 3);
+    }
+
+    #[test]
+    fn scopes_are_flattened() {
+        let text = data("#1=&SCOPE #2=A(); ENDSCOPE /#2/ B(#2);#3=C();");
+        assert_eq!(bodies(&text), [(1, "B(#2)"), (2, "A()"), (3, "C()")]);
+    }
+
+    #[test]
+    fn lines_count_from_one() {
+        let index = index(b"a\nb\nc");
+        assert_eq!([0, 1, 2, 4].map(|at| index.line(at)), [1, 1, 2, 3]);
+    }
+}
