@@ -3,32 +3,36 @@
 //! Data-oriented on purpose: ids and slices in, plain structs out, no recursion, no allocation per ray, stacks of fixed size. A function
 //! here and the WGSL function of the same name are one algorithm in two texts.
 
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "negated on purpose: a comparison with what is not a number takes the safe way"
+)]
+
 mod analytic;
 mod bernstein;
-mod bvh;
-mod camera;
+pub(super) mod bvh;
+pub(super) mod camera;
 mod frames;
-mod hit;
-mod light;
+pub(super) mod hit;
+pub(super) mod light;
 mod net;
-mod probe;
-mod ray_space;
+pub(super) mod probe;
+pub(super) mod ray_space;
 mod render;
-mod shade;
+pub(super) mod shade;
 mod torus;
-mod trace;
+pub(super) mod trace;
 mod trim;
-mod vector;
+pub(super) mod vector;
 
-#[cfg(test)]
 #[cfg(test)]
 mod test_scenes;
 #[cfg(test)]
 mod tests;
 
+pub use self::probe::probe;
+pub use self::render::render;
 pub use frames::Kernel;
-pub use probe::probe;
-pub use render::render;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

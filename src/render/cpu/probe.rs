@@ -2,13 +2,12 @@
 
 use super::hit::{finish_hit, hit_normal};
 use super::ray_space::{Distance, PreparedRay, prepare};
-use super::trace::{RawHit, comes_before, first_hit, trace};
+use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, Precision};
 use crate::render::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
-use std::cmp::Ordering;
 
 /// Hits kept per ray: more than any model has, little enough to bound memory.
 const MAX_HITS: usize = 1 << 16;
@@ -48,14 +47,19 @@ pub fn all_hits<T: Kernel>(scene: &Scene<'_>, prepared: &PreparedRay<T>) -> Vec<
         hits.push(hit);
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
+    sort_and_merge(scene, prepared, hits)
+}
+
+/// Sorts hits and leaves each once.
+pub fn sort_and_merge<T: Kernel>(
+    scene: &Scene<'_>,
+    prepared: &PreparedRay<T>,
+    mut hits: Vec<RawHit<T>>,
+) -> Vec<RawHit<T>> {
+    // Sums in f64, for differences of pairs are no total order, which sorting needs.
     let order = |a: &RawHit<T>, b: &RawHit<T>| {
-        if comes_before(a, b) {
-            Ordering::Less
-        } else if comes_before(b, a) {
-            Ordering::Greater
-        } else {
-            Ordering::Equal
-        }
+        let by_distance = a.distance.to_f64().total_cmp(&b.distance.to_f64());
+        by_distance.then(a.face.cmp(&b.face)).then(a.net.cmp(&b.net)).then(a.instance.cmp(&b.instance))
     };
     hits.sort_by(order);
     merge_doubles(scene, prepared, hits)
