@@ -75,6 +75,27 @@ fn every_face_of_real_files_is_accounted_for() {
 }
 
 #[test]
+fn fixtures_are_read_whole() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
+    let Ok(entries) = std::fs::read_dir(&root) else {
+        eprintln!("skipped: no fixtures, as in a published package");
+        return;
+    };
+    for folder in entries.filter_map(|entry| entry.ok().map(|e| e.path())) {
+        let Ok(bytes) = std::fs::read(folder.join("model.step")) else { continue };
+        let fixture =
+            std::fs::read_to_string(folder.join("fixture.toml")).expect("a fixture has a description");
+        let fixture: toml::Table = fixture.parse().expect("the description is TOML");
+        let model = read(&bytes).expect("a fixture is STEP");
+        let name = folder.display().to_string();
+        check(&model, &name);
+        assert_eq!(model.diagnostics, [], "{name}");
+        assert_eq!(fixture["expect"]["faces"].as_integer(), i64::try_from(model.faces.len()).ok(), "{name}");
+        assert_eq!(fixture["expect"]["unit"].as_str(), Some(model.source.unit.name.as_str()), "{name}");
+    }
+}
+
+#[test]
 fn edges_begin_and_end_at_their_vertices() {
     let mut far = 0;
     let mut all = 0;

@@ -197,6 +197,7 @@ impl Reader<'_> {
 
     fn polyline(&self, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
         let mut points = Vec::new();
+        self.charge(entity, entity.first().list(1).len())?;
         for id in entity.first().references(1) {
             points.push(Homogeneous::new(self.point(id)?, 1.0));
         }
