@@ -1,1 +1,169 @@
-// analytic
+// Rays against planes, cylinders, cones, spheres and tori; the twin of render/cpu/analytic.rs.
+
+struct Roots {
+    count: u32,
+    t: array<f32, 4>,
+}
+
+struct WindowParameter {
+    value: f32,
+    inside: bool,
+}
+
+fn insert(roots: ptr<function, Roots>, t: f32) {
+    if !is_finite(t) || (*roots).count == 4u {
+        return;
+    }
+    var at = (*roots).count;
+    while at > 0u {
+        if (*roots).t[at - 1u] <= t {
+            break;
+        }
+        (*roots).t[at] = (*roots).t[at - 1u];
+        at -= 1u;
+    }
+    (*roots).t[at] = t;
+    (*roots).count += 1u;
+}
+
+fn carrier_roots(kind: u32, origin: vec3<f32>, direction: vec3<f32>, radii: vec2<f32>) -> Roots {
+    if HAS_PLANE && kind == PLANE {
+        return plane_roots(origin, direction);
+    }
+    if HAS_CYLINDER && kind == CYLINDER {
+        return cylinder_roots(origin, direction, radii.x);
+    }
+    if HAS_CONE && kind == CONE {
+        return cone_roots(origin, direction, radii.x, radii.y);
+    }
+    if HAS_SPHERE && kind == SPHERE {
+        return sphere_roots(origin, direction, radii.x);
+    }
+    if HAS_TORUS {
+        return torus_roots(origin, direction, radii.x, radii.y);
+    }
+    return Roots();
+}
+
+fn plane_roots(o: vec3<f32>, d: vec3<f32>) -> Roots {
+    var roots = Roots();
+    insert(&roots, -o.z / d.z);
+    return roots;
+}
+
+fn cylinder_roots(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
+    return closest_then_chord(vec3<f32>(o.xy, 0.0), vec3<f32>(d.xy, 0.0), radius);
+}
+
+fn sphere_roots(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
+    return closest_then_chord(o, d, radius);
+}
+
+fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
+    var roots = Roots();
+    let dd = dot(d, d);
+    let slide = -dot(o, d) / dd;
+    let closest = fused(d, slide, o);
+    let distance = length(closest);
+    let under_root = (radius - distance) * (radius + distance);
+    if under_root >= 0.0 {
+        let half_chord = sqrt(under_root / dd);
+        insert(&roots, slide - half_chord);
+        insert(&roots, slide + half_chord);
+    }
+    return roots;
+}
+
+fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
+    var roots = Roots();
+    var slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
+    slide = select(0.0, slide, is_finite(slide));
+    let p = fused(d, slide, o);
+    let rho = radius + slope * p.z;
+    let drho = slope * d.z;
+    let a = (d.x * d.x + d.y * d.y) - drho * drho;
+    let b = (p.x * d.x + p.y * d.y) - rho * drho;
+    let c = (p.x * p.x + p.y * p.y) - rho * rho;
+    let discriminant = b * b - a * c;
+    if discriminant >= 0.0 {
+        let q = -(b + signum(b) * sqrt(discriminant));
+        insert(&roots, slide + polish_cone(p, d, radius, slope, q / a));
+        insert(&roots, slide + polish_cone(p, d, radius, slope, c / q));
+    }
+    return roots;
+}
+
+fn polish_cone(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32, start: f32) -> f32 {
+    var t = start;
+    for (var i = 0; i < 2; i++) {
+        let p = o + d * t;
+        let across = length(p.xy);
+        let rho = abs(radius + slope * p.z);
+        let side = signum(radius + slope * p.z);
+        let change = (p.x * d.x + p.y * d.y) / across - side * slope * d.z;
+        let next = t - (across - rho) / change;
+        if !is_finite(next) || abs(next - t) > 0.001 * (across + rho) {
+            return t;
+        }
+        t = next;
+    }
+    return t;
+}
+
+fn carrier_parameters(kind: u32, p: vec3<f32>, radii: vec2<f32>) -> vec2<f32> {
+    if kind == PLANE {
+        return p.xy;
+    }
+    if kind == CYLINDER {
+        return vec2<f32>(real_atan2(p.y, p.x), p.z);
+    }
+    if kind == CONE {
+        let side = select(1.0, -1.0, radii.x + radii.y * p.z < 0.0);
+        return vec2<f32>(real_atan2(p.y * side, p.x * side), p.z);
+    }
+    let across = length(p.xy);
+    if kind == SPHERE {
+        return vec2<f32>(real_atan2(p.y, p.x), real_atan2(p.z, across));
+    }
+    let squares = p.z * p.z - radii.y * radii.y;
+    let near = (across - radii.x) * (across - radii.x) + squares;
+    let far = (across + radii.x) * (across + radii.x) + squares;
+    if abs(far) < abs(near) {
+        return vec2<f32>(real_atan2(-p.y, -p.x), real_atan2(p.z, -across - radii.x));
+    }
+    return vec2<f32>(real_atan2(p.y, p.x), real_atan2(p.z, across - radii.x));
+}
+
+fn carrier_normal(kind: u32, uv: vec2<f32>, radii: vec2<f32>) -> vec3<f32> {
+    if kind == PLANE {
+        return vec3<f32>(0.0, 0.0, 1.0);
+    }
+    let u = real_sin_cos(uv.x);
+    if kind == CYLINDER {
+        return vec3<f32>(u.y, u.x, 0.0);
+    }
+    if kind == CONE {
+        let side = select(1.0, -1.0, radii.x + radii.y * uv.y < 0.0);
+        let scale = side / sqrt(1.0 + radii.y * radii.y);
+        return vec3<f32>(u.y * scale, u.x * scale, -radii.y * scale);
+    }
+    let v = real_sin_cos(uv.y);
+    let outward = vec3<f32>(v.y * u.y, v.y * u.x, v.x);
+    if kind == TORUS && radii.x + radii.y * v.y < 0.0 {
+        return -outward;
+    }
+    return outward;
+}
+
+fn to_window(parameter: f32, low: f32, scale: f32, period: f32) -> WindowParameter {
+    let tolerance = 1.0 / 1048576.0 + 4.0 * EPSILON * abs(low * scale);
+    var p = (parameter - low) * scale;
+    if period > 0.0 {
+        p = p - floor(p / period) * period;
+        if p > period - tolerance && p > 1.0 {
+            p = p - period;
+        }
+    }
+    let inside = p >= -tolerance && p <= 1.0 + tolerance;
+    return WindowParameter(min(max(p, 0.0), 1.0), inside);
+}

@@ -1,1 +1,120 @@
-// bvh
+// Walks the 8-wide compressed BVH; the twin of render/cpu/bvh.rs.
+
+struct BvhRay {
+    origin: vec3<f32>,
+    inverse: vec3<f32>,
+    octant: u32,
+}
+
+struct Walk {
+    first_node: u32,
+    first_primitive: u32,
+    group: vec2<u32>,
+    primitives: vec2<u32>,
+    stack: array<vec2<u32>, STACK_SIZE>,
+    depth: u32,
+}
+
+// What `next_primitive` answers where nothing is left: `None` of the twin. No primitive word has all bits set.
+const NO_PRIMITIVE: u32 = 0xffffffffu;
+
+fn bvh_ray(origin: vec3<f32>, direction: vec3<f32>) -> BvhRay {
+    let octant = select(4u, 0u, direction.x < 0.0) | select(2u, 0u, direction.y < 0.0) | select(1u, 0u, direction.z < 0.0);
+    return BvhRay(origin, vec3<f32>(inverse(direction.x), inverse(direction.y), inverse(direction.z)), octant);
+}
+
+fn inverse(x: f32) -> f32 {
+    if abs(x) < 1e-18 {
+        return select(1e18, -1e18, x < 0.0);
+    }
+    return 1.0 / x;
+}
+
+fn start_walk(first_node: u32, node_count: u32, first_primitive: u32) -> Walk {
+    var walk: Walk;
+    walk.first_node = first_node;
+    walk.first_primitive = first_primitive;
+    walk.group = vec2<u32>(0u, select(0x80000000u, 0u, node_count == 0u));
+    walk.primitives = vec2<u32>(0u);
+    walk.depth = 0u;
+    return walk;
+}
+
+fn next_primitive(walk: ptr<function, Walk>, ray: BvhRay, near: f32, far: f32) -> u32 {
+    loop {
+        if (*walk).primitives.y != 0u {
+            let bit = firstLeadingBit((*walk).primitives.y);
+            (*walk).primitives.y &= ~(1u << bit);
+            return primitives[(*walk).first_primitive + (*walk).primitives.x + bit];
+        }
+        if ((*walk).group.y & 0xff000000u) == 0u {
+            if (*walk).depth == 0u {
+                return NO_PRIMITIVE;
+            }
+            (*walk).depth -= 1u;
+            (*walk).group = (*walk).stack[(*walk).depth];
+        }
+        let siblings = (*walk).group.y;
+        let bit = firstLeadingBit(siblings);
+        (*walk).group.y &= ~(1u << bit);
+        if ((*walk).group.y & 0xff000000u) != 0u && (*walk).depth < STACK_SIZE {
+            (*walk).stack[(*walk).depth] = (*walk).group;
+            (*walk).depth += 1u;
+        }
+        let slot = (bit - 24u) ^ ray.octant;
+        let rank = countOneBits(siblings & ~(0xffffffffu << slot));
+        let node = (*walk).first_node + (*walk).group.x + rank;
+        let hits = intersect_node(node, ray, near, far);
+        (*walk).group = vec2<u32>(bvh_nodes[node].child_base, (hits & 0xff000000u) | (bvh_nodes[node].e_imask >> 24u));
+        (*walk).primitives = vec2<u32>(bvh_nodes[node].primitive_base, hits & 0x00ffffffu);
+    }
+    return NO_PRIMITIVE;
+}
+
+fn intersect_node(index: u32, ray: BvhRay, near: f32, far: f32) -> u32 {
+    let node = bvh_nodes[index];
+    let imask = node.e_imask >> 24u;
+    let x = axis_terms(node.p.x, node.e_imask & 0xffu, ray.origin.x, ray.inverse.x);
+    let y = axis_terms(node.p.y, (node.e_imask >> 8u) & 0xffu, ray.origin.y, ray.inverse.y);
+    let z = axis_terms(node.p.z, (node.e_imask >> 16u) & 0xffu, ray.origin.z, ray.inverse.z);
+    let x_forward = (ray.octant & 4u) != 0u;
+    let y_forward = (ray.octant & 2u) != 0u;
+    let z_forward = (ray.octant & 1u) != 0u;
+    let x_low = select(node.child_max_x, node.child_min_x, x_forward);
+    let x_high = select(node.child_min_x, node.child_max_x, x_forward);
+    let y_low = select(node.child_max_y, node.child_min_y, y_forward);
+    let y_high = select(node.child_min_y, node.child_max_y, y_forward);
+    let z_low = select(node.child_max_z, node.child_min_z, z_forward);
+    let z_high = select(node.child_min_z, node.child_max_z, z_forward);
+    var hits = 0u;
+    for (var half = 0u; half < 2u; half++) {
+        // Four children a time: a component for each.
+        let metas = unpack4xU8(node.child_meta[half]);
+        let enter = max(
+            max(vec4<f32>(near), vec4<f32>(unpack4xU8(x_low[half])) * x.z + x.x),
+            max(vec4<f32>(unpack4xU8(y_low[half])) * y.z + y.x, vec4<f32>(unpack4xU8(z_low[half])) * z.z + z.x),
+        );
+        let leave = min(
+            min(vec4<f32>(far), vec4<f32>(unpack4xU8(x_high[half])) * x.z + x.y),
+            min(vec4<f32>(unpack4xU8(y_high[half])) * y.z + y.y, vec4<f32>(unpack4xU8(z_high[half])) * z.z + z.y),
+        );
+        for (var lane = 0u; lane < 4u; lane++) {
+            let child_meta = metas[lane];
+            if child_meta != 0u && enter[lane] <= leave[lane] {
+                if ((imask >> (4u * half + lane)) & 1u) == 1u {
+                    hits |= 1u << (24u + ((child_meta & 7u) ^ ray.octant));
+                } else {
+                    hits |= (child_meta >> 5u) << (child_meta & 31u);
+                }
+            }
+        }
+    }
+    return hits;
+}
+
+fn axis_terms(p: f32, exponent: u32, origin: f32, inverse: f32) -> vec3<f32> {
+    let spacing = bitcast<f32>(exponent << 23u);
+    let start = p - origin;
+    let slack = (abs(origin) + abs(start) + spacing * 255.0) * abs(inverse) * 8.0 * EPSILON;
+    return vec3<f32>(start * inverse - slack, start * inverse + slack, spacing * inverse);
+}

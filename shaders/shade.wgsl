@@ -1,1 +1,136 @@
-// shade
+// The look of a hit; the twin of render/cpu/shade.rs. The constants of the look come from render/cpu/light.rs.
+
+const MAX_LAYERS: u32 = 8u;
+
+struct Lights {
+    key: vec3<f32>,
+    reserved_0: u32,
+    fill: vec3<f32>,
+    reserved_1: u32,
+    up: vec3<f32>,
+    ambient_occlusion: u32,
+}
+
+fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32) -> vec4<f32> {
+    var near = pixel_ray.near;
+    var color = vec4<f32>(0.0);
+    for (var layer = 0u; layer < MAX_LAYERS; layer++) {
+        let seen = first_hit(pixel_ray.ray, near);
+        if seen.count == 0u {
+            break;
+        }
+        let hit = seen.hit;
+        let material = materials[hit_material(hit)];
+        let lit = shade_hit(lights, pixel_ray.ray, hit, material, pixel, sample_index);
+        let left = (1.0 - color.w) * material.opacity;
+        color += vec4<f32>(lit * left, left);
+        if color.w > 0.995 {
+            return vec4<f32>(color.xyz * (1.0 / color.w), 1.0);
+        }
+        near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
+    }
+    return color;
+}
+
+fn hit_material(hit: RawHit) -> u32 {
+    let of_instance = instances[hit.instance].material;
+    return select(of_instance, faces[hit.face].material, of_instance == NO_MATERIAL);
+}
+
+fn surface_offset() -> f32 {
+    return header.scene_radius * SURFACE_OFFSET;
+}
+
+fn shade_hit(
+    lights: Lights,
+    ray: WorldRay,
+    hit: RawHit,
+    material: Material,
+    pixel: u32,
+    sample_index: u32,
+) -> vec3<f32> {
+    let outward = hit_normal(hit);
+    let n = select(outward, -outward, dot(outward, ray.direction) > 0.0);
+    var open = 1.0;
+    if lights.ambient_occlusion != 0u {
+        open = openness(ray, hit, n, pixel, sample_index);
+    }
+    return shade_surface(lights, n, -ray.direction, material, open);
+}
+
+fn shade_surface(lights: Lights, n: vec3<f32>, view: vec3<f32>, material: Material, open: f32) -> vec3<f32> {
+    let soft = 0.35 + 0.65 * open;
+    let key = max(dot(n, lights.key), 0.0) * soft;
+    let fill = max(dot(n, lights.fill), 0.0) * soft;
+    let sky = 0.5 + 0.5 * dot(n, lights.up);
+    let facing = clamp(dot(n, view), 0.0, 1.0);
+    let grazing = (1.0 - facing) * (1.0 - facing);
+    let rim = grazing * grazing * (1.0 - facing) * open;
+    let gleam = specular(n, view, lights.key) * soft + 0.25 * specular(n, view, lights.fill) * soft;
+    let ambient = (AMBIENT_DOWN + (AMBIENT_UP - AMBIENT_DOWN) * sky) * AMBIENT_WEIGHT * open;
+    let diffuse = ambient + key * KEY_COLOR + fill * FILL_COLOR;
+    return material.rgb * diffuse + gleam * KEY_COLOR + rim * RIM_COLOR;
+}
+
+fn specular(n: vec3<f32>, view: vec3<f32>, light: vec3<f32>) -> f32 {
+    let middle = view + light;
+    let norm = length(middle);
+    if norm < 1e-6 || dot(n, light) <= 0.0 {
+        return 0.0;
+    }
+    let along = max(dot(n, middle) / norm, 0.0);
+    return SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * pow(along, GLOSS) * dot(n, light);
+}
+
+fn openness(
+    ray: WorldRay,
+    hit: RawHit,
+    n: vec3<f32>,
+    pixel: u32,
+    sample_index: u32,
+) -> f32 {
+    let place = sky_sample(pixel, sample_index);
+    let direction = cosine_direction(n, place.x, place.y);
+    let probe = leave_surface(ray, hit, n, direction, surface_offset());
+    let radius = header.scene_radius * OCCLUSION_RADIUS;
+    let seen = first_hit_before(probe, Distance(0.0, 0.0), Distance(0.0, radius));
+    if seen.count == 0u {
+        return 1.0;
+    }
+    let blocked = 1.0 - clamp(from_anchor(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
+    return 1.0 - blocked * blocked;
+}
+
+fn sky_sample(pixel: u32, sample_index: u32) -> vec2<f32> {
+    let a = hash(pixel, 0u, 2u) + sample_index * 0xc13fa9a9u;
+    let b = hash(pixel, 0u, 3u) + sample_index * 0x91e10da5u;
+    return vec2<f32>(unit(a), unit(b));
+}
+
+fn leave_surface(
+    ray: WorldRay,
+    hit: RawHit,
+    n: vec3<f32>,
+    direction: vec3<f32>,
+    offset: f32,
+) -> WorldRay {
+    let spacing = header.grid_step;
+    let base = grid_position(ray.grid);
+    let at_anchor = fused(ray.direction, hit.distance.anchor, base);
+    let rest = ray.fraction + ray.direction_low * hit.distance.anchor + ray.direction * hit.distance.offset;
+    let position = at_anchor + (rest + n * offset);
+    let whole = floor(position / spacing + 0.5);
+    return WorldRay(vec3<i32>(whole), position - whole * spacing, direction, vec3<f32>(0.0));
+}
+
+fn cosine_direction(n: vec3<f32>, a: f32, b: f32) -> vec3<f32> {
+    let z = 1.0 - 2.0 * a;
+    let across = sqrt(max(1.0 - z * z, 0.0));
+    let turn = real_sin_cos(b * 4.0 * HALF_PI);
+    let sum = n + vec3<f32>(across * turn.y, across * turn.x, z);
+    let norm = length(sum);
+    if norm > 1e-3 {
+        return sum * (1.0 / norm);
+    }
+    return n;
+}

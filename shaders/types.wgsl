@@ -89,3 +89,11 @@ struct Material {
     rgb: vec3<f32>,
     opacity: f32,
 }
+
+// What kernels need of the host's Header.
+struct SceneHeader {
+    grid_step: f32,
+    scene_radius: f32,
+    first_node: u32,
+    node_count: u32,
+}

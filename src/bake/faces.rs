@@ -57,13 +57,15 @@ pub(super) fn bake_face(
     if trim.uniform() == Some(false) {
         return Err("its trim curves enclose nothing".into());
     }
+    let size = outline.window.max - outline.window.min;
+    let period = DVec2::from_array(surface.periods().map(|p| p.unwrap_or(0.0))) / size;
     let (carrier, nets) = match carrier(surface, outline) {
         Some(carrier) => (carrier, None),
         None => {
             let Surface::Bspline(bspline) = surface else {
                 unreachable!("all other surfaces have analytic carriers");
             };
-            let (origin, nets) = nets::bake_nets(bspline, outline, &trim, space, distortion)?;
+            let (origin, nets) = nets::bake_nets(bspline, period, outline, &trim, space, distortion)?;
             let frame = Frame { origin: origin + space.center, ..Frame::IDENTITY };
             let carrier = Carrier { kind: FaceKind::Nets, frame, radii: [0.0; 2], slide: DVec2::ZERO };
             (carrier, Some(nets))
@@ -73,9 +75,7 @@ pub(super) fn bake_face(
     let GridPoint { grid, fraction } =
         narrow::grid_point(origin, space.grid_step).ok_or("its surface's origin lies too far out")?;
 
-    let size = outline.window.max - outline.window.min;
     let low = outline.window.min - carrier.slide;
-    let period = DVec2::from_array(surface.periods().map(|p| p.unwrap_or(0.0))) / size;
     let needs_trim = match &nets {
         Some(nets) => nets.is_mixed,
         None => trim.uniform() != Some(true),

@@ -7,12 +7,17 @@
 mod assemble;
 mod bvh;
 mod faces;
+mod leaves;
 mod materials;
 mod metadata;
 mod narrow;
+#[cfg(test)]
+mod net_tests;
 mod nets;
 mod outline;
 mod region;
+mod slab;
+mod tensor;
 mod trim_query;
 #[cfg(test)]
 mod trim_tests;

@@ -22,7 +22,12 @@ pub(super) struct Outline {
 
 /// Trims a face; fails with the reason where nothing can be baked.
 pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Result<Outline, String> {
-    let trim = trim_face(model, id, options).map_err(|error| error.to_string())?;
+    let mut trim = trim_face(model, id, options).map_err(|error| error.to_string())?;
+    let tight = trim.window;
+    let surface = &model.surfaces[model.faces[id].surface];
+    if !trim.curves.is_empty() && matches!(surface, Surface::Bspline(_)) {
+        trim.window = widened(tight, surface);
+    }
     let size = trim.window.max - trim.window.min;
     if !(trim.window.min.is_finite() && trim.window.max.is_finite()) {
         return Err("its trim window is not finite".into());
@@ -33,16 +38,46 @@ pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Res
         return Err("its trim window has no area".into());
     }
     let region = Region::new(&trim)?;
-    let surface = &model.surfaces[model.faces[id].surface];
     let bounds = match surface {
         // The hull of the trim curves is tighter than the window where a plane's axes are not the face's.
         Surface::Plane { frame } if !trim.curves.is_empty() => Aabb::around(
             trim.curves.iter().flat_map(|curve| &curve.points).map(|p| frame.point(p.point().extend(0.0))),
         ),
-        _ => surface.bounds(trim.window),
+        _ => surface.bounds(tight),
     };
     if bounds.is_empty() || !bounds.is_finite() {
         return Err("its box is not finite".into());
     }
     Ok(Outline { window: trim.window, region, bounds, repairs: trim.repairs })
+}
+
+/// The window, a little wider where the surface goes on beyond it.
+///
+/// A leaf of a net may reach over the border of the window. What lies there is held to the border by the kernels, so that the border itself has to be
+/// outside the trim curves.
+fn widened(window: ParameterBox, surface: &Surface) -> ParameterBox {
+    let domain = surface.domain();
+    let periods = surface.periods();
+    let mut wide = window;
+    for k in 0..2 {
+        let size = window.max[k] - window.min[k];
+        let margin = size / 1024.0;
+        match periods[k] {
+            Some(period) if period - size > period * 1e-9 => {
+                let margin = margin.min((period - size) * 0.25);
+                wide.min[k] -= margin;
+                wide.max[k] += margin;
+            }
+            Some(_) => {}
+            None => {
+                if window.min[k] > domain.min[k] + size * 1e-9 {
+                    wide.min[k] -= margin;
+                }
+                if window.max[k] < domain.max[k] - size * 1e-9 {
+                    wide.max[k] += margin;
+                }
+            }
+        }
+    }
+    wide
 }

@@ -18,7 +18,7 @@ impl Random {
     }
 }
 
-type Loop = Vec<Bezier<Homogeneous2>>;
+pub(super) type Loop = Vec<Bezier<Homogeneous2>>;
 
 fn polygon(corners: &[DVec2]) -> Loop {
     let next = |i: usize| corners[(i + 1) % corners.len()];
@@ -30,7 +30,7 @@ fn rectangle(low: DVec2, high: DVec2) -> Loop {
     polygon(&[low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)])
 }
 
-fn circle(center: DVec2, radius: f64) -> Loop {
+pub(super) fn circle(center: DVec2, radius: f64) -> Loop {
     let axes = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y];
     (0..4)
         .map(|i| {

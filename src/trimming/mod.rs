@@ -17,6 +17,9 @@ mod segment;
 mod target;
 mod wrap;
 
+#[cfg(test)]
+mod tests;
+
 pub use loops::trim_face;
 pub use monotone::split_monotone;
 

@@ -5,25 +5,29 @@
 
 mod analytic;
 mod bernstein;
-mod bvh;
-mod camera;
+pub(super) mod bvh;
+pub(super) mod camera;
 mod frames;
-mod hit;
-mod light;
+pub(super) mod hit;
+pub(super) mod light;
 mod net;
-mod probe;
-mod ray_space;
+pub(super) mod probe;
+pub(super) mod ray_space;
 mod render;
-mod shade;
+pub(super) mod shade;
 mod torus;
-mod trace;
+pub(super) mod trace;
 mod trim;
-mod vector;
+pub(super) mod vector;
 
+#[cfg(test)]
+mod test_scenes;
+#[cfg(test)]
+mod tests;
+
+pub use self::probe::probe;
+pub use self::render::render;
 pub use frames::Kernel;
-pub use probe::probe;
-pub use render::render;
-pub use trim::split_position;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

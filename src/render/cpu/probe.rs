@@ -47,13 +47,19 @@ pub fn all_hits<T: Kernel>(scene: &Scene<'_>, prepared: &PreparedRay<T>) -> Vec<
         hits.push(hit);
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
+    sort_and_merge(scene, prepared, hits)
+}
+
+/// Sorts hits and leaves each once.
+pub fn sort_and_merge<T: Kernel>(
+    scene: &Scene<'_>,
+    prepared: &PreparedRay<T>,
+    mut hits: Vec<RawHit<T>>,
+) -> Vec<RawHit<T>> {
+    // Sums in f64, for differences of pairs are no total order, which sorting needs.
     let order = |a: &RawHit<T>, b: &RawHit<T>| {
-        let by_distance = a.distance.minus(b.distance).partial_cmp(&T::ZERO);
-        by_distance
-            .unwrap_or(std::cmp::Ordering::Equal)
-            .then(a.face.cmp(&b.face))
-            .then(a.net.cmp(&b.net))
-            .then(a.instance.cmp(&b.instance))
+        let by_distance = a.distance.to_f64().total_cmp(&b.distance.to_f64());
+        by_distance.then(a.face.cmp(&b.face)).then(a.net.cmp(&b.net)).then(a.instance.cmp(&b.instance))
     };
     hits.sort_by(order);
     merge_doubles(scene, prepared, hits)

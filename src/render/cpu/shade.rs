@@ -7,7 +7,7 @@ use super::light::{
     OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
 use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
-use super::trace::{RawHit, any_hit, first_hit};
+use super::trace::{RawHit, first_hit, first_hit_before};
 use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
@@ -161,15 +161,25 @@ fn openness(
     pixel: u32,
     sample: u32,
 ) -> f32 {
+    let [a, b] = sky_sample(pixel, sample);
+    let direction = cosine_direction(n, a, b);
+    let probe = leave_surface(scene, ray, hit, n, direction, surface_offset(scene));
     let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
-    // The square root of a uniform number prefers far ends: short rays are the near, dark part of the falloff.
-    let reach = radius * unit(hash(pixel, sample, 4));
-    let direction = cosine_direction(n, unit(hash(pixel, sample, 2)), unit(hash(pixel, sample, 3)));
-    let offset = surface_offset(scene);
-    let probe = leave_surface(scene, ray, hit, n, direction, offset);
     let near = Distance { anchor: 0.0, offset: 0.0 };
-    let far = Distance { anchor: 0.0, offset: reach };
-    if any_hit(scene, &probe, near, far) { 0.0 } else { 1.0 }
+    let far = Distance { anchor: 0.0, offset: radius };
+    let blocked = match first_hit_before(scene, &probe, near, far) {
+        Some(blocker) => 1.0 - (blocker.distance.from_anchor(0.0) / radius).clamp(0.0, 1.0),
+        None => 0.0,
+    };
+    1.0 - blocked * blocked
+}
+
+/// A point of the unit square: the R2 sequence (Roberts 2018) over a pixel's samples, moved by a random offset per pixel. In whole numbers, so
+/// that CPU and GPU agree to the bit.
+fn sky_sample(pixel: u32, sample: u32) -> [f32; 2] {
+    let a = hash(pixel, 0, 2).wrapping_add(sample.wrapping_mul(0xc13f_a9a9));
+    let b = hash(pixel, 0, 3).wrapping_add(sample.wrapping_mul(0x91e1_0da5));
+    [unit(a), unit(b)]
 }
 
 /// A ray from a hit, `offset` above the surface.

@@ -8,10 +8,10 @@ use super::ray_space::{
     Distance, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
 use super::trim::trim_inside;
-use super::vector::number;
+use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
-use crate::scene::Scene;
 use crate::scene::primitive::{Primitive, unpack};
+use crate::scene::{Net, Scene, TRIM_INSIDE};
 
 /// A hit as the kernels find it.
 #[derive(Debug, Clone, Copy)]
@@ -28,24 +28,37 @@ pub struct RawHit<T> {
     pub uv: [T; 2],
 }
 
-/// The first hit after `near`.
+/// The first hit after `near`; of equally near ones that of the lowest face, net and instance, whatever the order of the walk.
 pub fn first_hit<T: Kernel>(scene: &Scene<'_>, ray: &WorldRay<T>, near: Distance<T>) -> Option<RawHit<T>> {
-    let mut first = None;
-    trace(scene, ray, near, Distance::INFINITE, &mut |hit: RawHit<T>| {
-        first = Some(hit);
-        Some(hit.distance)
+    first_hit_before(scene, ray, near, Distance::INFINITE)
+}
+
+/// The first hit between `near` and `far`.
+pub fn first_hit_before<T: Kernel>(
+    scene: &Scene<'_>,
+    ray: &WorldRay<T>,
+    near: Distance<T>,
+    far: Distance<T>,
+) -> Option<RawHit<T>> {
+    let mut first: Option<RawHit<T>> = None;
+    trace(scene, ray, near, far, &mut |hit: RawHit<T>| {
+        let best = match first {
+            Some(best) if !comes_before(&hit, &best) => best,
+            _ => hit,
+        };
+        first = Some(best);
+        Some(best.distance)
     });
     first
 }
 
-/// Whether anything lies between `near` and `far`.
-pub fn any_hit<T: Kernel>(scene: &Scene<'_>, ray: &WorldRay<T>, near: Distance<T>, far: Distance<T>) -> bool {
-    let mut found = false;
-    trace(scene, ray, near, far, &mut |_| {
-        found = true;
-        None
-    });
-    found
+/// The order of hits along a ray: by distance, then by face, net and instance.
+pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
+    let ahead = a.distance.minus(b.distance);
+    if ahead != T::ZERO {
+        return ahead < T::ZERO;
+    }
+    [a.face, a.net, a.instance] < [b.face, b.net, b.instance]
 }
 
 /// Visits hits between `near` and `far`, in no order. `accept` answers with the distance beyond which hits no longer matter, or `None` to
@@ -120,7 +133,7 @@ fn trace_face<T: Kernel>(
     for i in 0..roots.count {
         let t = roots.t[i];
         let distance = Distance { anchor: ray.anchor, offset: t };
-        if !(distance.minus(near) >= T::ZERO && distance.minus(far) < T::ZERO) {
+        if !(distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO) {
             continue;
         }
         let parameters = carrier_parameters(face.kind, origin + direction * t, face.radii);
@@ -147,14 +160,14 @@ fn trace_leaf<T: Kernel>(
     let leaf = &scene.net_leaves[index as usize];
     let net = &scene.nets[leaf.net as usize];
     let face = &scene.faces[net.face as usize];
-    let center = super::vector::Vector3::from_f32(leaf.center);
+    let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
     let (from, to) = (near.from_anchor(ray.anchor), far.from_anchor(ray.anchor));
     let roots = leaf_roots(scene, leaf, net, &ray, from, to);
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };
-        if !(distance.minus(near) >= T::ZERO && distance.minus(far) < T::ZERO) {
+        if !(distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO) {
             continue;
         }
         // The leaf's own trim state holds on its own domain only.
@@ -165,18 +178,21 @@ fn trace_leaf<T: Kernel>(
                 || domain.low[k] + domain.size[k] == T::ONE && root.uv[k] > T::ONE
         };
         let trim = if own(0) && own(1) { leaf.trim } else { face.trim_root };
-        if trim_inside(scene, trim, face_parameters(net, face.period, root.uv)) {
+        let (uv, in_window) = face_parameters(net, face.period, root.uv);
+        let inside = trim == TRIM_INSIDE && own(0) && own(1) || in_window && trim_inside(scene, trim, uv);
+        if inside {
             far = accept(RawHit { distance, instance, face: net.face, net: leaf.net, uv: root.uv })?;
         }
     }
     Some(far)
 }
 
-/// Normalised face parameters of a net's local ones, wrapped into the window.
-pub fn face_parameters<T: Kernel>(net: &crate::scene::Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
+/// Normalised face parameters of a net's local ones, wrapped; whether they lie in the window.
+pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> ([T; 2], bool) {
     let axis = |k: usize| {
         let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
-        to_window(p, T::ZERO, T::ONE, T::from_f32(period[k])).0
+        to_window(p, T::ZERO, T::ONE, T::from_f32(period[k]))
     };
-    [axis(0), axis(1)]
+    let ((u, u_inside), (v, v_inside)) = (axis(0), axis(1));
+    ([u, v], u_inside && v_inside)
 }

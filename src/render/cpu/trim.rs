@@ -5,7 +5,7 @@
 
 use super::vector::number;
 use crate::numeric::Real;
-use crate::scene::trim_node::{FAR, MANY, PLANE_STEPS, TrimNode, unpack};
+use crate::scene::trim_node::{FAR, MANY, TrimNode, split_position, unpack};
 use crate::scene::{Scene, TRIM_INSIDE, TrimSegment};
 
 /// Bisections of a curve piece: enough for f64's 52 bits.
@@ -13,12 +13,6 @@ const MAX_BISECTIONS: usize = 52;
 
 /// Levels of a trim tree: each takes at least a word, and planes lie on a grid of 14 bits per axis and level.
 const MAX_LEVELS: usize = 64;
-
-/// Where a split plane lies: the same f32 operations at bake and here, so that both see the same cells.
-#[inline(always)]
-pub fn split_position(low: f32, size: f32, plane: u32) -> f32 {
-    low + plane as f32 / PLANE_STEPS as f32 * size
-}
 
 /// Whether `uv`, normalised and within the window, is inside the trims of the tree at `root`.
 pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
@@ -38,7 +32,7 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
                     size[axis] = split - low[axis];
                     node += if far { 2 } else { 1 };
                 } else {
-                    size[axis] = low[axis] + size[axis] - split;
+                    size[axis] = size[axis] - (split - low[axis]);
                     low[axis] = split;
                     node += if far { scene.trim_nodes[node + 1] } else { right } as usize;
                 }
@@ -78,7 +72,7 @@ fn crosses<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> boo
     if !(uv[1] >= low[1] && uv[1] < high[1]) {
         return false;
     }
-    if uv[0] > low[0].max(high[0]) {
+    if uv[0] >= low[0].max(high[0]) {
         return true;
     }
     if uv[0] < low[0].min(high[0]) {
@@ -86,7 +80,7 @@ fn crosses<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> boo
     }
     let degree = segment.flags & TrimSegment::DEGREE_MASK;
     if degree <= 1 {
-        return line_at(low, high, uv[1]) < uv[0];
+        return line_at(low, high, uv[1]) <= uv[0];
     }
     bisect(scene, segment, degree, low, high, uv)
 }
@@ -120,14 +114,14 @@ fn bisect<T: Real>(
             high = at;
             t_high = t;
         }
-        if uv[0] > low[0].max(high[0]) {
+        if uv[0] >= low[0].max(high[0]) {
             return true;
         }
         if uv[0] < low[0].min(high[0]) {
             return false;
         }
     }
-    line_at(low, high, uv[1]) < uv[0]
+    line_at(low, high, uv[1]) <= uv[0]
 }
 
 /// The point of a rational Bézier curve by Horner's scheme in Bernstein form.

@@ -3,7 +3,8 @@
 //! The Pod arrays of [`Scene`] are the buffers' contents without any conversion, mapped files included. WebGPU knows no empty
 //! binding, so an empty array becomes one zeroed element, which no index of a validated scene reaches.
 
-use super::{Gpu, GpuError};
+use super::{Entry, Gpu, GpuError};
+use crate::render::cpu::ray_space::scene_radius;
 use crate::scene::Scene;
 use wgpu::util::DeviceExt;
 
@@ -22,6 +23,16 @@ pub const SCENE_BINDINGS: [&str; 12] = [
     "trim_points",
     "materials",
 ];
+
+/// `SceneHeader` of `shaders/types.wgsl`: what kernels need of the scene's header. 16 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct SceneHeader {
+    grid_step: f32,
+    scene_radius: f32,
+    first_node: u32,
+    node_count: u32,
+}
 
 /// The longest record: what an empty array is replaced by.
 const DUMMY: [u8; 128] = [0; 128];
@@ -66,21 +77,63 @@ impl Gpu {
                 })
             })
             .collect();
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(&buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene"),
-            layout: &self.kernels.scene_layout,
-            entries: &entries,
-        });
+        let header = self.create_uniform(
+            "header",
+            &SceneHeader {
+                grid_step: scene.header.grid_step as f32,
+                scene_radius: scene_radius(scene.header) as f32,
+                first_node: scene.header.first_node,
+                node_count: scene.header.node_count,
+            },
+        );
+        let all: Vec<&wgpu::Buffer> = buffers.iter().chain([&header]).collect();
+        let bind_group = self.bind_group("scene", &self.kernels.scene_layout, &all);
         self.check()?;
         let bytes = buffers.iter().map(wgpu::Buffer::size).sum();
         Ok(GpuScene { scene: *scene, bind_group, bytes })
     }
 
-    /// A buffer for the kernels to write and the host to read.
+    /// A buffer for the kernels to read.
+    pub(super) fn create_input(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents: bytes,
+            usage: wgpu::BufferUsages::STORAGE,
+        })
+    }
+
+    /// A buffer of constants.
+    pub(super) fn create_uniform<T: bytemuck::Pod>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents: bytemuck::bytes_of(value),
+            usage: wgpu::BufferUsages::UNIFORM,
+        })
+    }
+
+    /// Group 1 of an entry file: its constants and arrays in the order of their bindings.
+    pub(super) fn bind(&self, entry: Entry, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+        self.bind_group("entry", self.kernels.entry_layout(entry), buffers)
+    }
+
+    fn bind_group(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    /// A zeroed buffer for the kernels to write and the host to read.
     pub(super) fn create_output(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

@@ -5,9 +5,12 @@
 //! from within. The prelude states what a scene needs: degrees size the local arrays, and a kind of surface that a scene lacks is
 //! a constant `false` that the driver removes with all that hangs on it.
 
-use super::{Gpu, GpuError};
+use super::{Gpu, GpuError, GpuScene};
+use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
-use crate::scene::{Face, FaceKind, Header, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node};
+use crate::scene::{
+    Face, FaceKind, Header, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
@@ -45,15 +48,20 @@ impl Entry {
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 8] = [
+pub const FUNCTION_FILES: [(&str, &str); 13] = [
+    ("elementary", include_str!("../../../shaders/elementary.wgsl")),
+    ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
     ("bvh", include_str!("../../../shaders/bvh.wgsl")),
     ("analytic", include_str!("../../../shaders/analytic.wgsl")),
+    ("torus", include_str!("../../../shaders/torus.wgsl")),
+    ("bernstein", include_str!("../../../shaders/bernstein.wgsl")),
     ("net", include_str!("../../../shaders/net.wgsl")),
     ("trim", include_str!("../../../shaders/trim.wgsl")),
     ("trace", include_str!("../../../shaders/trace.wgsl")),
-    ("shade", include_str!("../../../shaders/shade.wgsl")),
+    ("hit", include_str!("../../../shaders/hit.wgsl")),
     ("camera", include_str!("../../../shaders/camera.wgsl")),
+    ("shade", include_str!("../../../shaders/shade.wgsl")),
 ];
 
 /// What a scene asks of the kernels.
@@ -86,6 +94,7 @@ impl Specialisation {
 pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
     let mut text = prelude(specialisation);
     text.push_str(include_str!("../../../shaders/types.wgsl"));
+    text.push_str(include_str!("../../../shaders/entry/scene.wgsl"));
     text.push_str(entry.text());
     for (_, functions) in FUNCTION_FILES {
         text.push_str(functions);
@@ -110,12 +119,32 @@ fn prelude(specialisation: &Specialisation) -> String {
         ("PLANE_STEPS", trim_node::PLANE_STEPS),
         ("FAR", trim_node::FAR),
         ("MANY", trim_node::MANY),
-        ("STACK_SIZE", 32),
+        ("STACK_SIZE", MAX_TREE_DEPTH as u32),
     ];
     let mut text = String::new();
     for (name, value) in words {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "const {name}: u32 = {value}u;");
+    }
+    let numbers = [
+        ("AMBIENT_WEIGHT", light::AMBIENT_WEIGHT),
+        ("GLOSS", light::GLOSS),
+        ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
+        ("OCCLUSION_RADIUS", light::OCCLUSION_RADIUS as f32),
+        ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
+    ];
+    for (name, value) in numbers {
+        let _ = writeln!(text, "const {name}: f32 = {value:e};");
+    }
+    let colors = [
+        ("KEY_COLOR", light::KEY_COLOR),
+        ("FILL_COLOR", light::FILL_COLOR),
+        ("AMBIENT_UP", light::AMBIENT_UP),
+        ("AMBIENT_DOWN", light::AMBIENT_DOWN),
+        ("RIM_COLOR", light::RIM_COLOR),
+    ];
+    for (name, [red, green, blue]) in colors {
+        let _ = writeln!(text, "const {name} = vec3<f32>({red:e}, {green:e}, {blue:e});");
     }
     for (name, kind) in KINDS {
         let _ = writeln!(text, "const {name}: u32 = {}u;", kind as u32);
@@ -142,10 +171,11 @@ pub(super) struct Kernels {
 
 impl Kernels {
     pub(super) fn new(device: &wgpu::Device) -> Self {
-        let read_only: Vec<_> =
-            (0..).zip(SCENE_BINDINGS).map(|(binding, _)| storage(binding, true)).collect();
+        let arrays = SCENE_BINDINGS.len() as u32;
+        let mut scene_entries: Vec<_> = (0..arrays).map(|binding| storage(binding, true)).collect();
+        scene_entries.push(uniform(arrays));
         Self {
-            scene_layout: layout(device, "scene", &read_only),
+            scene_layout: layout(device, "scene", &scene_entries),
             entry_layouts: Entry::ALL.map(|entry| {
                 let mut entries = vec![uniform(0)];
                 entries.extend(
@@ -199,6 +229,25 @@ impl Gpu {
         self.check()?;
         pipelines.insert(key, pipeline.clone());
         Ok(pipeline)
+    }
+
+    /// Runs a kernel over `count` elements.
+    pub(super) fn dispatch(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        scene: &GpuScene<'_>,
+        bind_group: &wgpu::BindGroup,
+        count: u32,
+    ) -> Result<(), GpuError> {
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &scene.bind_group, &[]);
+        pass.set_bind_group(1, bind_group, &[]);
+        pass.dispatch_workgroups(count.div_ceil(WORKGROUP_SIZE), 1, 1);
+        drop(pass);
+        let commands = encoder.finish();
+        self.run(commands)
     }
 }
 

@@ -1,8 +1,72 @@
 //! Pictures: one sample of one tile a dispatch.
+//!
+//! A tile is a run of pixels, short enough that a dispatch never comes near a driver's time limit. Its samples are summed on the
+//! device in the CPU tracer's order; then the tile is read back. Memory on the device does not depend on the picture's size.
 
-use super::{Gpu, GpuError, GpuScene};
+use super::kernels::Specialisation;
+use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
+use crate::render::cpu::shade;
 use crate::render::{Camera, RenderOptions};
+use crate::scene::Header;
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+/// Pixels of one dispatch.
+const TILE_PIXELS: usize = 1 << 16;
+
+/// `Camera` of `shaders/camera.wgsl`. 96 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct GpuCamera {
+    grid: [i32; 3],
+    eye_distance: f32,
+    fraction: [f32; 3],
+    orthographic: u32,
+    forward: [f32; 3],
+    reserved_0: u32,
+    forward_low: [f32; 3],
+    reserved_1: u32,
+    right: [f32; 3],
+    width: u32,
+    up: [f32; 3],
+    height: u32,
+}
+
+/// `Lights` of `shaders/shade.wgsl`. 48 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct GpuLights {
+    key: [f32; 3],
+    reserved_0: u32,
+    fill: [f32; 3],
+    reserved_1: u32,
+    up: [f32; 3],
+    ambient_occlusion: u32,
+}
+
+/// `RenderParameters` of `shaders/entry/render.wgsl`. 160 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct RenderParameters {
+    camera: GpuCamera,
+    lights: GpuLights,
+    first_pixel: u32,
+    pixel_count: u32,
+    sample_index: u32,
+    samples: u32,
+}
+
+/// What the centre of a pixel shows. 32 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Center {
+    normal: [f32; 3],
+    depth: f32,
+    instance: u32,
+    face: u32,
+    reserved: [u32; 2],
+}
 
 impl Gpu {
     /// Renders a picture; `progress` is told (done, total) units of work.
@@ -17,6 +81,96 @@ impl Gpu {
         options: &RenderOptions,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Film, GpuError> {
-        todo!()
+        let [width, height] = options.resolution;
+        let mut film = Film::new(width as usize, height as usize);
+        let Some((eye_distance, placed)) = place_camera(camera, options.resolution, scene.scene.header)
+        else {
+            return Ok(film);
+        };
+        let specialisation = Specialisation::of(scene.scene.header);
+        let sample_pipeline = self.pipeline(Entry::Render, "render_sample", specialisation)?;
+        let center_pipeline = self.pipeline(Entry::Render, "render_center", specialisation)?;
+        let samples = options.samples.max(1);
+        let tiles = film.color.len().div_ceil(TILE_PIXELS);
+        let units = tiles * (samples as usize + 1);
+        let mut done = 0;
+        for first in (0..film.color.len()).step_by(TILE_PIXELS) {
+            let count = TILE_PIXELS.min(film.color.len() - first);
+            let mut parameters = RenderParameters {
+                camera: placed,
+                lights: gpu_lights(&shade::Lights::from_camera(camera), options),
+                first_pixel: first as u32,
+                pixel_count: count as u32,
+                sample_index: 0,
+                samples,
+            };
+            let colors = self.create_output("colors", 16 * count as u64);
+            let centers = self.create_output("centers", size_of::<Center>() as u64 * count as u64);
+            for sample in 0..=samples {
+                parameters.sample_index = sample;
+                let pipeline = if sample < samples { &sample_pipeline } else { &center_pipeline };
+                let uniform = self.create_uniform("render parameters", &parameters);
+                let bind_group = self.bind(Entry::Render, &[&uniform, &colors, &centers]);
+                self.dispatch(pipeline, scene, &bind_group, count as u32)?;
+                done += 1;
+                progress(done, units);
+            }
+            let sums: Vec<[f32; 4]> = self.read(&colors, count)?;
+            for (color, sum) in film.color[first..first + count].iter_mut().zip(sums) {
+                *color = sum.map(|component| component / samples as f32);
+            }
+            let seen: Vec<Center> = self.read(&centers, count)?;
+            for (pixel, center) in (first..).zip(seen) {
+                if center.face != 0 {
+                    film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;
+                    film.normal[pixel] = center.normal;
+                    film.part[pixel] = center.instance;
+                    film.face[pixel] = center.face;
+                }
+            }
+        }
+        Ok(film)
+    }
+}
+
+/// The camera at the plane through the scene's centre, or at the eye where that is in front of the plane; and how far that is from the
+/// eye. `None` where the plane's point is so far from the scene that no pixel can show it.
+fn place_camera(camera: &Camera, resolution: [u32; 2], header: &Header) -> Option<(f64, GpuCamera)> {
+    let step = header.grid_step;
+    let eye = camera.position - DVec3::from_array(header.world_anchor);
+    let distance = (-eye.dot(camera.forward)).max(0.0);
+    let center = eye + camera.forward * distance;
+    let grid = (center / step).round();
+    // Half of what an i32 holds: the kernel adds what pixels are apart. The scene is 2¹⁶ steps wide.
+    if !(grid.abs().max_element() < f64::from(1 << 30)) || resolution.contains(&0) {
+        return None;
+    }
+    let forward = camera.forward.as_vec3();
+    let aspect = f64::from(resolution[0]) / f64::from(resolution[1]);
+    let placed = GpuCamera {
+        grid: grid.as_ivec3().to_array(),
+        eye_distance: distance as f32,
+        fraction: (center - grid * step).as_vec3().to_array(),
+        orthographic: camera.orthographic.into(),
+        forward: forward.to_array(),
+        reserved_0: 0,
+        forward_low: (camera.forward - forward.as_dvec3()).as_vec3().to_array(),
+        reserved_1: 0,
+        right: (camera.right * (aspect * camera.half_height)).as_vec3().to_array(),
+        width: resolution[0],
+        up: (camera.up * camera.half_height).as_vec3().to_array(),
+        height: resolution[1],
+    };
+    Some((distance, placed))
+}
+
+fn gpu_lights(lights: &shade::Lights, options: &RenderOptions) -> GpuLights {
+    GpuLights {
+        key: lights.key.to_array(),
+        reserved_0: 0,
+        fill: lights.fill.to_array(),
+        reserved_1: 0,
+        up: lights.up.to_array(),
+        ambient_occlusion: options.ambient_occlusion.into(),
     }
 }

@@ -1,7 +1,68 @@
 //! Hits of given rays.
+//!
+//! Rays are prepared on the host in f64 and hits are sorted, merged and finished there, by the CPU tracer's own functions; only the search
+//! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
+//! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::{Gpu, GpuError, GpuScene};
+use super::kernels::Specialisation;
+use super::{Entry, Gpu, GpuError, GpuScene};
+use crate::render::cpu::NO_NET;
+use crate::render::cpu::hit::finish_hit;
+use crate::render::cpu::probe::sort_and_merge;
+use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
+use crate::render::cpu::trace::RawHit;
 use crate::render::{Hit, Ray};
+use crate::scene::Scene;
+use bytemuck::{Pod, Zeroable};
+
+/// Slots per ray of the first pass.
+const FIRST_SLOTS: u32 = 8;
+/// Rays of one dispatch: few enough for tens of milliseconds on a slow device.
+const BATCH_RAYS: usize = 1 << 16;
+/// Slots of one dispatch, 32 bytes each; also what a single ray may have.
+const BATCH_SLOTS: u32 = 1 << 20;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ProbeParameters {
+    ray_count: u32,
+    first_only: u32,
+    reserved: [u32; 2],
+}
+
+/// A ray as the kernel reads it. 64 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct ProbeRay {
+    grid: [i32; 3],
+    near_anchor: f32,
+    fraction: [f32; 3],
+    near_offset: f32,
+    direction: [f32; 3],
+    first_slot: u32,
+    direction_low: [f32; 3],
+    slots: u32,
+}
+
+/// A hit as the kernel writes it. 32 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct ProbeHit {
+    distance: [f32; 2],
+    uv: [f32; 2],
+    instance: u32,
+    face: u32,
+    net: u32,
+    reserved: u32,
+}
+
+/// A ray on its way: which one of the caller's, and how many slots it needs.
+#[derive(Clone, Copy)]
+struct Pending {
+    index: usize,
+    prepared: PreparedRay<f32>,
+    slots: u32,
+}
 
 impl Gpu {
     /// All hits of each ray, sorted by t; or only the first of each.
@@ -15,6 +76,128 @@ impl Gpu {
         rays: &[Ray],
         first_only: bool,
     ) -> Result<Vec<Vec<Hit>>, GpuError> {
-        todo!()
+        let mut answers: Vec<Vec<Hit>> = vec![Vec::new(); rays.len()];
+        let slots = if first_only { 1 } else { FIRST_SLOTS };
+        for (first, batch) in (0..).step_by(BATCH_RAYS).zip(rays.chunks(BATCH_RAYS)) {
+            let pending: Vec<Pending> = (first..)
+                .zip(batch)
+                .filter_map(|(index, ray)| {
+                    prepare::<f32>(ray, scene.scene.header).map(|prepared| Pending { index, prepared, slots })
+                })
+                .collect();
+            let crowded = self.probe_batch(scene, &pending, first_only, &mut answers)?;
+            for group in groups(&crowded) {
+                self.probe_batch(scene, group, first_only, &mut answers)?;
+            }
+        }
+        Ok(answers)
     }
+
+    /// Answers those rays whose hits fit, returns the others with the room they need.
+    fn probe_batch(
+        &self,
+        scene: &GpuScene<'_>,
+        pending: &[Pending],
+        first_only: bool,
+        answers: &mut [Vec<Hit>],
+    ) -> Result<Vec<Pending>, GpuError> {
+        if pending.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (hits, counts) = self.dispatch_rays(scene, pending, first_only)?;
+        let mut crowded = Vec::new();
+        let mut first_slot = 0;
+        for (ray, &count) in pending.iter().zip(&counts) {
+            let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
+            first_slot += ray.slots as usize;
+            if count > ray.slots && ray.slots < BATCH_SLOTS {
+                crowded.push(Pending { slots: count.min(BATCH_SLOTS), ..*ray });
+                continue;
+            }
+            let raw = kept.iter().map(|hit| raw_hit(hit, &scene.scene)).collect::<Result<Vec<_>, _>>()?;
+            answers[ray.index] = sort_and_merge(&scene.scene, &ray.prepared, raw)
+                .iter()
+                .map(|hit| finish_hit(&scene.scene, hit, ray.prepared.start))
+                .collect();
+        }
+        Ok(crowded)
+    }
+
+    fn dispatch_rays(
+        &self,
+        scene: &GpuScene<'_>,
+        pending: &[Pending],
+        first_only: bool,
+    ) -> Result<(Vec<ProbeHit>, Vec<u32>), GpuError> {
+        let mut slots = 0;
+        let rays: Vec<ProbeRay> = pending
+            .iter()
+            .map(|ray| {
+                let first_slot = slots;
+                slots += ray.slots;
+                probe_ray(ray, first_slot)
+            })
+            .collect();
+        let parameters =
+            ProbeParameters { ray_count: rays.len() as u32, first_only: first_only.into(), reserved: [0; 2] };
+        let parameters = self.create_uniform("probe parameters", &parameters);
+        let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
+        let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
+        let counts = self.create_output("probe counts", 4 * rays.len() as u64);
+        let pipeline = self.pipeline(Entry::Probe, "probe", Specialisation::of(scene.scene.header))?;
+        let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
+        self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32)?;
+        Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
+    }
+}
+
+/// Cuts rays into groups whose slots fit one dispatch.
+fn groups(rays: &[Pending]) -> Vec<&[Pending]> {
+    let mut groups = Vec::new();
+    let mut rest = rays;
+    while !rest.is_empty() {
+        let mut slots = 0;
+        let fitting = rest
+            .iter()
+            .take_while(|ray| {
+                slots += ray.slots;
+                slots <= BATCH_SLOTS
+            })
+            .count();
+        let (group, others) = rest.split_at(fitting.max(1));
+        groups.push(group);
+        rest = others;
+    }
+    groups
+}
+
+fn probe_ray(ray: &Pending, first_slot: u32) -> ProbeRay {
+    let PreparedRay { ray: world, near, .. } = ray.prepared;
+    ProbeRay {
+        grid: world.grid,
+        near_anchor: near.anchor,
+        fraction: world.fraction.to_array(),
+        near_offset: near.offset,
+        direction: world.direction.to_array(),
+        first_slot,
+        direction_low: world.direction_low.to_array(),
+        slots: ray.slots,
+    }
+}
+
+/// A hit whose indices are in range, as a device that works writes them.
+fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
+    let in_range = (hit.instance as usize) < scene.instances.len()
+        && (hit.face as usize) < scene.faces.len()
+        && (hit.net == NO_NET || (hit.net as usize) < scene.nets.len());
+    if !in_range {
+        return Err(GpuError::Lost("it answered with a face that does not exist".to_owned()));
+    }
+    Ok(RawHit {
+        distance: Distance { anchor: hit.distance[0], offset: hit.distance[1] },
+        instance: hit.instance,
+        face: hit.face,
+        net: hit.net,
+        uv: hit.uv,
+    })
 }

@@ -1,0 +1,263 @@
+//! The skew slab around a Bézier patch: its frame, its distortion, its extents and its derivative bounds.
+//!
+//! The frame is the mean tangents a, b over the patch and their normal. Weights are positive, so the patch lies in the hull of its Cartesian control
+//! points, and extents are theirs. The distortion ρ is how far control points lie from the bilinear net of the frame, in units of the frame; it
+//! decides where patches are split. Bounds of derivatives come from control differences (polynomial nets) or from Bernstein
+//! coefficients of the numerators `X_u w − X w_u` over `w²` (rational nets), so they hold everywhere, not only at samples.
+
+use super::narrow;
+use super::tensor::Tensor;
+use crate::geometry::{BezierPatch, Homogeneous};
+use crate::numeric::Aabb;
+use crate::scene::NetLeaf;
+use glam::{DMat3, DVec3};
+
+/// Tangents shorter than this share of the patch's size, or nearly parallel ones (sine), span no usable frame.
+const MIN_TANGENT: f64 = 1.0 / 4096.0;
+const MIN_SINE: f64 = 1.0 / 64.0;
+
+/// A side this much shorter than the opposite one is a pole: splitting does not make the patch more regular.
+const POLE_RATIO: f64 = 1.0 / 64.0;
+
+/// Weights in one leaf may differ by this factor.
+const MAX_WEIGHT_RATIO: f64 = 4.0;
+
+/// Rational patches with more control points get no certificate: the products cost the square of this.
+const MAX_CERTIFIED_POINTS: usize = 100;
+
+/// How a patch fits its frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fit {
+    tangents: [DVec3; 2],
+    /// Whether the frame is that of the mean tangents, not a stand-in.
+    is_skew: bool,
+    /// ρ; large where the patch has to be split for another reason.
+    pub distortion: f64,
+    /// The axis whose halving helps most.
+    pub split_axis: usize,
+    /// Diagonal of the control points' box.
+    pub size: f64,
+}
+
+/// The Cartesian control points.
+fn points(patch: &BezierPatch) -> Vec<DVec3> {
+    patch.points.iter().map(|p| p.point()).collect()
+}
+
+/// A box around the patch.
+pub(super) fn bounds(patch: &BezierPatch) -> Aabb {
+    Aabb::around(patch.points.iter().map(|p| p.point()))
+}
+
+/// Fits the frame of mean tangents.
+pub(super) fn fit(patch: &BezierPatch) -> Fit {
+    let [p, q] = patch.degrees;
+    let cartesian = points(patch);
+    let at = |i: usize, j: usize| cartesian[i * (q + 1) + j];
+    let size = bounds(patch).diagonal();
+    let mean_u = (0..=q).map(|j| at(p, j) - at(0, j)).sum::<DVec3>() / (q + 1) as f64;
+    let mean_v = (0..=p).map(|i| at(i, q) - at(i, 0)).sum::<DVec3>() / (p + 1) as f64;
+    let (length_u, length_v) = (mean_u.length(), mean_v.length());
+
+    let second = |along: usize| {
+        let (di, dj) = if along == 0 { (1, 0) } else { (0, 1) };
+        let mut most = 0.0f64;
+        for i in 0..=p - (2 * di).min(p) {
+            for j in 0..=q - (2 * dj).min(q) {
+                if i + 2 * di <= p && j + 2 * dj <= q {
+                    let bend = at(i + 2 * di, j + 2 * dj) - at(i + di, j + dj) * 2.0 + at(i, j);
+                    most = most.max(bend.length());
+                }
+            }
+        }
+        let degree = patch.degrees[along] as f64;
+        most * degree * (degree - 1.0) * 0.125
+    };
+    let (bend_u, bend_v) = (second(0), second(1));
+    let twist = (0..p)
+        .flat_map(|i| (0..q).map(move |j| (i, j)))
+        .map(|(i, j)| (at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + at(i, j)).length())
+        .fold(0.0, f64::max)
+        * (p * q) as f64
+        * 0.25;
+    let mut split_axis = usize::from(bend_v > bend_u);
+    let pole = pole_axis(patch, &cartesian);
+    if pole.is_none() && twist > bend_u.max(bend_v) {
+        split_axis = usize::from(length_v > length_u);
+    }
+
+    let sine = mean_u.cross(mean_v).length();
+    let is_skew =
+        length_u.min(length_v) > size * MIN_TANGENT && sine > MIN_SINE * length_u * length_v && size > 0.0;
+    let tangents = if is_skew { [mean_u, mean_v] } else { stand_in(mean_u, mean_v, size) };
+    let mut distortion = 1.0;
+    if is_skew {
+        let dual = dual_rows(tangents);
+        let middle = (at(0, 0) + at(p, 0) + at(0, q) + at(p, q)) * 0.25;
+        let mut worst = [0.0f64; 3];
+        for i in 0..=p {
+            for j in 0..=q {
+                let local = dual * (at(i, j) - middle);
+                let expected = [i as f64 / p as f64 - 0.5, j as f64 / q as f64 - 0.5, 0.0];
+                for k in 0..3 {
+                    worst[k] = worst[k].max((local[k] - expected[k]).abs());
+                }
+            }
+        }
+        if let Some(axis) = pole {
+            // A triangle's width falls from 1½ to 0 in units of its mean; that part never changes.
+            worst[1 - axis] = (worst[1 - axis] - 0.5).max(0.0);
+        }
+        distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
+    } else if pole.is_none() {
+        split_axis = usize::from(length_v > length_u);
+    }
+    if let Some(axis) = weight_axis(patch) {
+        (distortion, split_axis) = (distortion.max(1.0), axis);
+    }
+    Fit { tangents, is_skew, distortion, split_axis, size }
+}
+
+/// The axis that leads to a pole: 0 where a side u = const is a point.
+fn pole_axis(patch: &BezierPatch, cartesian: &[DVec3]) -> Option<usize> {
+    let [p, q] = patch.degrees;
+    let side = |axis: usize, last: bool| {
+        let fixed = if last { patch.degrees[axis] } else { 0 };
+        let along = patch.degrees[1 - axis];
+        let at = |k: usize| {
+            if axis == 0 { cartesian[fixed * (q + 1) + k] } else { cartesian[k * (q + 1) + fixed] }
+        };
+        (1..=along).map(|k| at(k).distance(at(k - 1))).sum::<f64>()
+    };
+    debug_assert_eq!(cartesian.len(), (p + 1) * (q + 1));
+    (0..2).find(|&axis| {
+        let (first, last) = (side(axis, false), side(axis, true));
+        first.min(last) <= POLE_RATIO * first.max(last)
+    })
+}
+
+/// The axis along which weights differ most, where they differ too much.
+fn weight_axis(patch: &BezierPatch) -> Option<usize> {
+    let [p, q] = patch.degrees;
+    let weights: Vec<f64> = patch.points.iter().map(|point| point.w).collect();
+    let (least, most) = weights.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &w| (a.min(w), b.max(w)));
+    if most <= least * MAX_WEIGHT_RATIO {
+        return None;
+    }
+    let ratio = |a: f64, b: f64| (a / b).max(b / a);
+    let along_u = (0..=q).map(|j| ratio(weights[j], weights[p * (q + 1) + j])).fold(1.0, f64::max);
+    let along_v = (0..=p).map(|i| ratio(weights[i * (q + 1)], weights[i * (q + 1) + q])).fold(1.0, f64::max);
+    Some(usize::from(along_v > along_u))
+}
+
+/// Orthogonal tangents of the patch's size where its own span no plane.
+fn stand_in(mean_u: DVec3, mean_v: DVec3, size: f64) -> [DVec3; 2] {
+    let longest = if mean_u.length() >= mean_v.length() { mean_u } else { mean_v };
+    let other = if mean_u.length() >= mean_v.length() { mean_v } else { mean_u };
+    let first = longest.try_normalize().unwrap_or(DVec3::X);
+    let across = other - first * other.dot(first);
+    let second = across.try_normalize().unwrap_or_else(|| first.any_orthonormal_vector());
+    // A patch that is a point still needs a frame that single precision can invert.
+    let length = size.max(1e-9);
+    [first * length, second * length]
+}
+
+/// Rows that give α, β and γ (along the unit normal) of a vector.
+fn dual_rows([a, b]: [DVec3; 2]) -> DMat3 {
+    let n = a.cross(b);
+    let square = n.length_squared();
+    DMat3::from_cols(b.cross(n) / square, n.cross(a) / square, n / square.sqrt()).transpose()
+}
+
+/// The leaf record of a patch in face space; net, domain and trim are left 0.
+pub(super) fn leaf(patch: &BezierPatch, fit: &Fit) -> NetLeaf {
+    let narrow_tangents = fit.tangents.map(narrow::vector);
+    let tangents = narrow_tangents.map(|v| DVec3::from_array(v.map(f64::from)));
+    let dual = dual_rows(tangents);
+    let cartesian = points(patch);
+    let local = Aabb::around(cartesian.iter().map(|&p| dual * p));
+    let normal = tangents[0].cross(tangents[1]).normalize_or_zero();
+    let middle = local.center();
+    let center = narrow::vector(tangents[0] * middle.x + tangents[1] * middle.y + normal * middle.z);
+    let exact_center = dual * DVec3::from_array(center.map(f64::from));
+    let reach = (local.max - exact_center).max(exact_center - local.min);
+    // Control points and centre are rounded by 2⁻²⁴ of their coordinates each, per axis; twice that for the sum, √3 < 2 for the axes.
+    let farthest = cartesian.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let rounding = farthest * 2f64.powi(-22);
+    let slack = |row: usize, relative: f64| dual.row(row).length() * rounding + relative;
+    let shortest = tangents[0].length().min(tangents[1].length());
+    NetLeaf {
+        center,
+        extent_n: narrow::above(reach.z + rounding + shortest * 2f64.powi(-20)),
+        tangent_u: narrow_tangents[0],
+        extent_u: narrow::above(reach.x - 0.5 + slack(0, 2f64.powi(-20))),
+        tangent_v: narrow_tangents[1],
+        extent_v: narrow::above(reach.y - 0.5 + slack(1, 2f64.powi(-20))),
+        certificate: certificate(patch, fit, &dual, tangents),
+        domain: 0,
+        net: 0,
+        trim: 0,
+    }
+}
+
+/// The bytes E_α, E_β, E_γ and M.
+fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2]) -> u32 {
+    const NO_BOUNDS: u32 = u32::MAX;
+    // For the roundings of the record's own numbers, as in the extents.
+    const SLACK: f64 = 1.0 / 4096.0;
+    let is_rational = patch.points.iter().any(|p| p.w != patch.points[0].w);
+    if !fit.is_skew || is_rational && patch.points.len() > MAX_CERTIFIED_POINTS {
+        return NO_BOUNDS;
+    }
+    let shortest = tangents[0].length().min(tangents[1].length());
+    // About the middle, so that numerators are small where the patch is far from the origin.
+    let middle = bounds(patch).center();
+    let scalar = |f: &dyn Fn(DVec3, f64) -> f64| {
+        let of = |p: &glam::DVec4| f(p.truncate() - middle * p.w, p.w);
+        Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
+    };
+    let weight = scalar(&|_, w| w);
+    let axes = [0, 1, 2].map(|k| scalar(&|x, _| dual.row(k).dot(x)));
+    // max |∂x − target| for each coordinate and parameter.
+    let deviation = |x: &Tensor, along: usize, target: f64| {
+        if !is_rational {
+            let constant = Tensor::new([0, 0], vec![target * weight.least()]);
+            return x.derivative(along).minus(&constant).greatest() / weight.least();
+        }
+        let square = weight.times(&weight);
+        let numerator = x.derivative(along).times(&weight).minus(&x.times(&weight.derivative(along)));
+        let wanted = square.times(&Tensor::new([0, 0], vec![target]));
+        let least = weight.least();
+        numerator.minus(&wanted).greatest() / (least * least)
+    };
+    let e_alpha = deviation(&axes[0], 0, 1.0) + deviation(&axes[0], 1, 0.0);
+    let e_beta = deviation(&axes[1], 0, 0.0) + deviation(&axes[1], 1, 1.0);
+    let e_gamma = (deviation(&axes[2], 0, 0.0) + deviation(&axes[2], 1, 0.0)) / shortest;
+    let second = second_derivatives(patch, middle, &weight) / shortest;
+    [e_alpha, e_beta, e_gamma, second]
+        .into_iter()
+        .enumerate()
+        .fold(0, |word, (byte, bound)| word | narrow::bound_byte(bound + SLACK) << (8 * byte))
+}
+
+/// A bound of `|S_ss| + 2 |S_st| + |S_tt|`.
+///
+/// With `S = X / w` about the middle: `S_st = (X_st − w_s S_t − w_t S_s − w_st S) / w`, `S_s = (X_s − w_s S) / w`, each term bounded by itself.
+fn second_derivatives(patch: &BezierPatch, middle: DVec3, weight: &Tensor) -> f64 {
+    let axes = [0, 1, 2].map(|k| {
+        let of = |p: &glam::DVec4| (p.truncate() - middle * p.w)[k];
+        Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
+    });
+    let norm = |f: &dyn Fn(&Tensor) -> f64| axes.iter().map(|x| f(x).powi(2)).sum::<f64>().sqrt();
+    let least = weight.least();
+    let radius = patch.points.iter().map(|p| p.point().distance(middle)).fold(0.0, f64::max);
+    let w_first = [0, 1].map(|along| weight.derivative(along).greatest());
+    let first =
+        [0, 1].map(|along| (norm(&|x| x.derivative(along).greatest()) + w_first[along] * radius) / least);
+    let second = |a: usize, b: usize| {
+        let x_ab = norm(&|x| x.derivative(a).derivative(b).greatest());
+        let w_ab = weight.derivative(a).derivative(b).greatest();
+        (x_ab + w_first[a] * first[b] + w_first[b] * first[a] + w_ab * radius) / least
+    };
+    second(0, 0) + 2.0 * second(0, 1) + second(1, 1)
+}

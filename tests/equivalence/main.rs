@@ -1,0 +1,152 @@
+//! The GPU answers as the CPU does, in hits and in pictures; and the comparison notices a kernel that is wrong.
+//!
+//! Needs an adapter, lavapipe at least. Without one the tests say so and pass, unless `REQUIRE_GPU=1` asks for one.
+#![cfg(feature = "gpu")]
+
+mod compare;
+mod synthetic;
+
+use compare::{compare_hits, compare_pictures};
+use glam::DVec3;
+use trimray::render::cpu::{self, Precision};
+use trimray::render::gpu::{AdapterChoice, Gpu};
+use trimray::render::{Background, Camera, Ray, RenderOptions};
+use trimray::scene::{FaceKind, Scene, SceneBuffers};
+
+/// Share of rays that have to agree. What is left are near ties: silhouettes, trim borders, coincident faces.
+const LEAST_AGREEMENT: f64 = 0.999;
+
+fn gpu() -> Option<Gpu> {
+    match Gpu::new(AdapterChoice::Any) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1") => {
+            panic!("REQUIRE_GPU=1, but {error}")
+        }
+        Err(error) => {
+            eprintln!("skipped: {error}");
+            None
+        }
+    }
+}
+
+fn radius(scene: &Scene<'_>) -> f64 {
+    DVec3::from_array(scene.header.half_size.map(f64::from)).length()
+}
+
+/// The fractional part of `index · 1/pᵏ` sums: the Halton sequence in one base.
+fn halton(mut index: u32, base: u32) -> f64 {
+    let (mut value, mut scale) = (0.0, 1.0);
+    while index > 0 {
+        scale /= f64::from(base);
+        value += scale * f64::from(index % base);
+        index /= base;
+    }
+    value
+}
+
+/// Chords of the scene's bounding sphere, from far outside.
+fn chords(scene: &Scene<'_>, count: u32) -> Vec<Ray> {
+    let anchor = DVec3::from_array(scene.header.world_anchor);
+    let half = DVec3::from_array(scene.header.half_size.map(f64::from));
+    let on_sphere = |a: f64, b: f64| {
+        let z = 1.0 - 2.0 * a;
+        let (sin, cos) = (b * std::f64::consts::TAU).sin_cos();
+        DVec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
+    };
+    (1..=count)
+        .map(|i| {
+            let from = on_sphere(halton(i, 2), halton(i, 3)) * 3.0 * half.length();
+            let to = DVec3::new(halton(i, 5), halton(i, 7), halton(i, 11)) * 2.0 - 1.0;
+            Ray { origin: anchor + from, direction: (to * half - from).normalize() }
+        })
+        .collect()
+}
+
+fn camera(scene: &Scene<'_>, orthographic: bool) -> Camera {
+    let forward = DVec3::new(-1.0, 1.5, -0.9).normalize();
+    let right = forward.cross(DVec3::Z).normalize();
+    let distance = 3.0 * radius(scene);
+    Camera {
+        position: DVec3::from_array(scene.header.world_anchor) - forward * distance,
+        forward,
+        right,
+        up: right.cross(forward),
+        half_height: if orthographic { radius(scene) } else { 0.2 },
+        orthographic,
+    }
+}
+
+fn options(ambient_occlusion: bool) -> RenderOptions {
+    RenderOptions {
+        resolution: [160, 110],
+        samples: 4,
+        background: Background::Transparent,
+        ambient_occlusion,
+    }
+}
+
+fn assert_hits_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, rays: u32) {
+    let rays = chords(scene, rays);
+    let on_gpu = gpu.upload(scene).unwrap();
+    for first_only in [false, true] {
+        let expected = cpu::probe(scene, &rays, Precision::F32, first_only);
+        let found = gpu.probe(&on_gpu, &rays, first_only).unwrap();
+        let difference = compare_hits(&rays, &expected, &found, radius(scene));
+        eprintln!("{name}, {}: first only {first_only}, {difference:?}", gpu.name());
+        assert!(difference.hits > 0, "{name}: no ray hits");
+        assert!(difference.agreement() >= LEAST_AGREEMENT, "{name}: {difference:?}");
+    }
+}
+
+fn assert_pictures_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, camera: &Camera, options: &RenderOptions) {
+    let expected = cpu::render(scene, camera, options, &|_, _| {});
+    let found = gpu.render(&gpu.upload(scene).unwrap(), camera, options, &|_, _| {}).unwrap();
+    let difference = compare_pictures(&expected, &found, radius(scene));
+    eprintln!("{name}, {}: {difference:?}", gpu.name());
+    assert!(difference.covered > difference.pixels / 50, "{name}: {difference:?}");
+    // Borders of faces are near ties; an occlusion ray that flips moves a pixel's colour visibly.
+    assert!(difference.color <= difference.covered / 100 + 2, "{name}: {difference:?}");
+    assert!(difference.center <= difference.covered / 200 + 2, "{name}: {difference:?}");
+}
+
+#[test]
+fn hits_agree() {
+    let Some(gpu) = gpu() else { return };
+    let buffers = synthetic::every_kind();
+    assert_hits_agree("every kind", &gpu, &buffers.scene(), 6_000);
+}
+
+#[test]
+fn pictures_agree() {
+    let Some(gpu) = gpu() else { return };
+    let buffers = synthetic::every_kind();
+    let scene = buffers.scene();
+    assert_pictures_agree("perspective", &gpu, &scene, &camera(&scene, false), &options(true));
+    assert_pictures_agree("orthographic", &gpu, &scene, &camera(&scene, true), &options(false));
+}
+
+/// Changes on the GPU's side alone, each of which the comparison has to notice.
+#[test]
+fn canaries_are_noticed() {
+    let Some(gpu) = gpu() else { return };
+    let buffers = synthetic::every_kind();
+    let wrong: [(&str, fn(&mut SceneBuffers)); 4] = [
+        ("a kernel without tori", |scene| scene.header.feature_mask &= !(1 << FaceKind::Torus as u32)),
+        ("a cylinder too wide by a hundredth", |scene| scene.faces[1].radius_0 *= 1.01),
+        ("a trim curve moved by a tenth", |scene| {
+            scene.trim_points.iter_mut().for_each(|p| p[0] += 0.1 * p[2])
+        }),
+        ("a net point moved by a hundredth", |scene| scene.net_points[5][2] += 0.01),
+    ];
+    let rays = chords(&buffers.scene(), 6_000);
+    let expected = cpu::probe(&buffers.scene(), &rays, Precision::F32, false);
+    for (name, change) in wrong {
+        let mut changed = synthetic::every_kind();
+        change(&mut changed);
+        let scene = changed.scene();
+        let found = gpu.probe(&gpu.upload(&scene).unwrap(), &rays, false).unwrap();
+        let difference = compare_hits(&rays, &expected, &found, radius(&scene));
+        eprintln!("{name}: {difference:?}");
+        assert!(difference.agreement() < LEAST_AGREEMENT, "{name} is not noticed: {difference:?}");
+    }
+}

@@ -1,0 +1,174 @@
+//! The two texts of the kernels agree where it can be read off: records field by field, functions by name; and every text compiles.
+#![cfg(feature = "gpu")]
+
+use naga::{Module, TypeInner};
+use std::mem::{offset_of, size_of};
+use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, source};
+use trimray::scene;
+
+/// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high.
+const SPECIALISATIONS: [Specialisation; 6] = [
+    Specialisation { max_net_degree: 3, max_trim_degree: 3, feature_mask: 0b11_1111 },
+    Specialisation { max_net_degree: 25, max_trim_degree: 25, feature_mask: 0b11_1111 },
+    Specialisation { max_net_degree: 0, max_trim_degree: 1, feature_mask: 0b00_0001 },
+    Specialisation { max_net_degree: 0, max_trim_degree: 0, feature_mask: 0b01_0000 },
+    Specialisation { max_net_degree: 1, max_trim_degree: 1, feature_mask: 0b10_0000 },
+    Specialisation { max_net_degree: 0, max_trim_degree: 0, feature_mask: 0 },
+];
+
+fn parse(entry: Entry, specialisation: &Specialisation) -> Module {
+    let text = source(entry, specialisation);
+    naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)))
+}
+
+fn wgsl_layout(module: &Module, name: &str) -> (Vec<(String, usize)>, usize) {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, naga::Type { inner: TypeInner::Struct { members, span }, .. })) = found else {
+        panic!("no WGSL struct {name}")
+    };
+    let fields = members
+        .iter()
+        .map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize))
+        .collect();
+    (fields, *span as usize)
+}
+
+macro_rules! assert_layout {
+    ($module:expr, $ty:ident { $($field:ident),* $(,)? }) => {
+        let rust = (
+            vec![$((stringify!($field).to_owned(), offset_of!(scene::$ty, $field))),*],
+            size_of::<scene::$ty>(),
+        );
+        assert_eq!(rust, wgsl_layout($module, stringify!($ty)), stringify!($ty));
+    };
+}
+
+#[test]
+fn records_agree() {
+    let module = &parse(Entry::Probe, &SPECIALISATIONS[0]);
+    assert_layout!(
+        module,
+        Instance {
+            part_from_world_0,
+            part,
+            part_from_world_1,
+            material,
+            part_from_world_2,
+            is_translation,
+            grid,
+            reserved_0,
+            fraction,
+            radius,
+            reserved_1,
+        }
+    );
+    assert_layout!(module, Part { first_node, node_count, first_primitive, primitive_count });
+    assert_layout!(
+        module,
+        Face {
+            grid,
+            kind,
+            x_axis,
+            radius_0,
+            y_axis,
+            radius_1,
+            z_axis,
+            flags,
+            offset,
+            material,
+            uv_low,
+            uv_scale,
+            period,
+            trim_root,
+            part,
+        }
+    );
+    assert_layout!(module, Net { first_point, degrees, face, reserved, uv_low, uv_size });
+    assert_layout!(
+        module,
+        NetLeaf {
+            center,
+            extent_n,
+            tangent_u,
+            extent_u,
+            tangent_v,
+            extent_v,
+            certificate,
+            domain,
+            net,
+            trim,
+        }
+    );
+    assert_layout!(module, TrimSegment { low, high, t_low, t_high, curve, flags });
+    assert_layout!(module, Material { rgb, opacity });
+}
+
+/// `e` and `imask`, three bytes and one, are the one word `e_imask` in WGSL.
+#[test]
+fn bvh_node_agrees() {
+    let module = &parse(Entry::Probe, &SPECIALISATIONS[0]);
+    let (mut fields, size) = wgsl_layout(module, "BvhNode");
+    assert_eq!(fields.remove(1), ("e_imask".to_owned(), offset_of!(scene::BvhNode, e)));
+    assert_eq!(offset_of!(scene::BvhNode, imask), offset_of!(scene::BvhNode, e) + 3);
+    macro_rules! rust_fields {
+        ($($field:ident),*) => { vec![$((stringify!($field).to_owned(), offset_of!(scene::BvhNode, $field))),*] };
+    }
+    let rust = rust_fields!(
+        p,
+        child_base,
+        primitive_base,
+        child_meta,
+        child_min_x,
+        child_max_x,
+        child_min_y,
+        child_max_y,
+        child_min_z,
+        child_max_z
+    );
+    assert_eq!((fields, size), (rust, size_of::<scene::BvhNode>()));
+}
+
+#[test]
+fn kernels_validate() {
+    for entry in Entry::ALL {
+        for specialisation in &SPECIALISATIONS {
+            let module = parse(entry, specialisation);
+            naga::valid::Validator::new(
+                naga::valid::ValidationFlags::all(),
+                naga::valid::Capabilities::empty(),
+            )
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{entry:?} {specialisation:?}: {error:?}"));
+            assert!(!module.entry_points.is_empty(), "{entry:?} has no entry point");
+        }
+    }
+}
+
+/// What only the shaders need: tests that the twin writes in place, reads of arrays by index, and what WGSL's built-ins do not give.
+const WITHOUT_TWIN: [&str; 7] =
+    ["is_between", "apply_axes", "trim_point", "real_atan2", "real_sin_cos", "is_finite", "signum"];
+
+/// A file's functions stand in the Rust file of the same stem, but for the methods that became functions.
+#[test]
+fn functions_have_twins() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/render/cpu");
+    let read =
+        |stem: &str| std::fs::read_to_string(folder.join(stem).with_extension("rs")).unwrap_or_default();
+    // Unpacking functions stand beside the records.
+    let mut rust = std::fs::read_to_string(folder.join("../../scene/layout.rs")).unwrap();
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        rust.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+    }
+    let mut checked = 0;
+    for (stem, text) in FUNCTION_FILES {
+        assert!(stem == "elementary" || !read(stem).is_empty(), "shaders/{stem}.wgsl has no twin");
+        for line in text.lines() {
+            let Some(rest) = line.strip_prefix("fn ") else { continue };
+            let name = rest.split('(').next().unwrap_or_default();
+            let found = [format!("fn {name}("), format!("fn {name}<")].iter().any(|text| rust.contains(text));
+            assert!(found || WITHOUT_TWIN.contains(&name), "`{name}` of shaders/{stem}.wgsl has no twin");
+            checked += 1;
+        }
+    }
+    assert!(checked > 60, "{checked} functions checked");
+}
