@@ -235,10 +235,10 @@ impl Assembly {
             let id = self.order[at];
             let Representation { items, context, .. } = self.representations[&id].clone();
             for item in items {
-                if reader.keyword(item) == "MAPPED_ITEM" {
-                    if let Err(problem) = self.place_mapped_item(reader, id, context, item, styles) {
-                        reader.report(Severity::Warning, problem);
-                    }
+                if reader.keyword(item) == "MAPPED_ITEM"
+                    && let Err(problem) = self.place_mapped_item(reader, id, context, item, styles)
+                {
+                    reader.report(Severity::Warning, problem);
                 }
             }
         }

@@ -130,7 +130,7 @@ impl Reader<'_> {
         let direction = |id: Option<u64>| id.and_then(|id| self.direction(id).ok());
         let origin = self.point(reference(entity.id, record, at)?)?;
         let scale = record.real(at + 1).unwrap_or(1.0);
-        if !(scale.abs() > 0.0) {
+        if scale == 0.0 {
             return Err(problem(entity, "the scale is 0"));
         }
         let [first, second, third] = axes.map(direction);

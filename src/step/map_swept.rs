@@ -41,7 +41,7 @@ pub fn extrusion(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped<
         return Err(problem(entity, "the face does not bound the extrusion"));
     };
     let v_range = widened([heights[0] - profile_heights[1], heights[1] - profile_heights[0]]);
-    if !(v_range[1] > v_range[0]) {
+    if v_range[1] <= v_range[0] {
         return Err(problem(entity, "the face has no extent along the extrusion"));
     }
     Ok(cut_to_fit(Surface::Bspline(to_bspline::extrude(&spline, along, v_range))))
