@@ -78,11 +78,14 @@ impl<'a> Target<'a> {
     }
 
     /// The foot of `point`: near `seed` where that leads to one, else the globally closest, unwrapped towards `seed`.
-    /// The flag tells whether the seed was given up.
+    ///
+    /// A local foot much farther than `expected`, the distance of neighbouring points, is doubted. The flag tells
+    /// whether the seed was given up.
     pub(super) fn foot(
         &self,
         point: DVec3,
         seed: Option<DVec2>,
+        expected: f64,
         entity: u64,
     ) -> Result<(Foot, bool), TrimError> {
         let local = invert_surface(self.surface, point, seed);
