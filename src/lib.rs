@@ -32,6 +32,7 @@ pub mod brep;
 pub mod cache;
 pub mod cli;
 pub mod geometry;
+pub mod iges;
 pub mod image;
 pub mod import;
 pub mod numeric;
