@@ -97,7 +97,7 @@ fn changed_files_are_invalid_or_sound() {
     let changed = folder.path().join("changed.trimray");
     let mut refused = 0;
     let interesting: Vec<usize> =
-        (0..bytes.len()).filter(|&at| at < 512 || bytes[at] != 0 || at % 4096 < 16).collect();
+        (0..bytes.len()).filter(|&at| at < 512 || bytes[at] != 0 && at % 3 == 0).collect();
     for &at in &interesting {
         for value in [bytes[at] ^ 0x80, bytes[at] ^ 1, 0xff] {
             let mut copy = bytes.clone();

@@ -23,6 +23,8 @@ pub(super) struct Outline {
 pub(super) struct Chain {
     pub(super) segments: Vec<Segment>,
     pub(super) winding: [i32; 2],
+    /// Of how many edges it is made.
+    pub(super) edges: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -156,16 +158,16 @@ impl Outline {
             }
             let fitting = self.joints.iter().position(|joint| match *joint {
                 Joint::Pole { pole, span } => {
-                    target.singularities[pole].axis != axis && (span + excess).abs() <= 1.000_001 * period
+                    target.singularities[pole].axis != axis && (span - excess).abs() <= 1.000_001 * period
                 }
                 Joint::Plain => false,
             });
             let Some(index) = fitting else { continue };
             if let Joint::Pole { span, .. } = &mut self.joints[index] {
-                *span += excess;
+                *span -= excess;
             }
             let mut offset = DVec2::ZERO;
-            offset[axis] = excess;
+            offset[axis] = -excess;
             self.images[index + 1..].iter_mut().for_each(|image| shift_image(image, offset));
             self.winding[axis] = 0;
         }
@@ -222,7 +224,7 @@ impl Outline {
             segments.extend(image.segments);
             segments.extend(connection);
         }
-        Chain { segments, winding: self.winding }
+        Chain { segments, winding: self.winding, edges: count }
     }
 }
 
