@@ -27,15 +27,17 @@ fn lost(model: &Model) -> usize {
 
 #[test]
 fn corpus_is_read_without_loss() {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus");
-    let files = files_below(&corpus);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let places = ["../shared/corpus", "../../shared/corpus"].map(|place| root.join(place));
+    let corpus = places.iter().find(|place| place.is_dir()).unwrap_or(&places[0]);
+    let files = files_below(corpus);
     if files.is_empty() {
         println!("skipped: no corpus at {}", corpus.display());
         return;
     }
     for path in files {
         let bytes = std::fs::read(&path).expect("a readable file");
-        let name = path.strip_prefix(&corpus).expect("below the corpus").display().to_string();
+        let name = path.strip_prefix(corpus).expect("below the corpus").display().to_string();
         match super::read(&bytes) {
             Ok(model) => {
                 println!("{name}: {} of {} faces", model.faces.len(), model.declared_faces);
@@ -68,6 +70,6 @@ fn fixtures_have_as_many_faces_as_their_step_twins() {
             model.faces.len(),
             model.declared_faces
         );
-        assert_eq!((model.faces.len(), lost(&model)), (model.declared_faces, 0), "{}", path.display());
+        assert_eq!((model.faces.len(), lost(&model)), (expected, 0), "{}", path.display());
     }
 }
