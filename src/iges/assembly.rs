@@ -3,7 +3,7 @@
 //! The whole file is one part; a subfigure definition is another one. Solids with a matrix of their own become placed
 //! parts too.
 
-use super::file::{Mapped, Problem};
+use super::directory::{Mapped, Problem};
 use super::placement;
 use super::reader::Reader;
 use super::style;

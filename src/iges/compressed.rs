@@ -1,7 +1,7 @@
 //! The compressed form (IGES 5.3, clause 2.3): a directory entry gives only the fields that differ from the entry before,
 //! as `D<number>@<field>_<value>@…;`, and the entity's parameters follow at once.
 
-use super::file::Entry;
+use super::directory::Entry;
 use super::value::{Delimiters, number};
 
 /// The entities of a compressed file; entry pointers count `parameters` from 1.

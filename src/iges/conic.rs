@@ -1,7 +1,7 @@
 //! Conic arcs (entity 104): `A x² + B x y + C y² + D x + E y + F = 0` at a height, from a start to an end.
 
 use super::curve::sweep;
-use super::file::{Mapped, Parameters};
+use super::directory::{Mapped, Parameters};
 use crate::geometry::{Curve, Frame};
 use glam::{DMat2, DVec2};
 

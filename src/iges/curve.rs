@@ -1,7 +1,7 @@
 //! Curve entities, as pieces of curves in millimetres: 100, 102, 104, 106, 110, 112, 126.
 
 use super::conic;
-use super::file::{File, Mapped, Parameters, Problem};
+use super::directory::{Directory, Mapped, Parameters, Problem};
 use super::placement::{self, is_similarity};
 use super::spans::{self, Span};
 use crate::geometry::{BsplineCurve, Curve, Frame, Homogeneous, Homogeneous2, Homogeneous3};
@@ -53,7 +53,7 @@ impl Piece {
 }
 
 /// The pieces of curve `entity` in order, placed in `outer`.
-pub fn pieces(file: &File, entity: u32, outer: &DAffine3) -> Mapped<Vec<Piece>> {
+pub fn pieces(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<Vec<Piece>> {
     let mut pieces = Vec::new();
     collect(file, entity, outer, 0, &mut pieces)?;
     let finite = |piece: &Piece| {
@@ -71,7 +71,7 @@ pub fn pieces(file: &File, entity: u32, outer: &DAffine3) -> Mapped<Vec<Piece>> 
 
 /// The pieces of curve `entity` as one B-spline over the file's own parameters, with the spans it is made of.
 pub fn profile(
-    file: &File,
+    file: &Directory,
     entity: u32,
     outer: &DAffine3,
 ) -> Mapped<(BsplineCurve<Homogeneous3>, Vec<Span>)> {
@@ -89,7 +89,13 @@ pub fn profile(
     Ok((spline, spans))
 }
 
-fn collect(file: &File, entity: u32, outer: &DAffine3, depth: usize, pieces: &mut Vec<Piece>) -> Mapped<()> {
+fn collect(
+    file: &Directory,
+    entity: u32,
+    outer: &DAffine3,
+    depth: usize,
+    pieces: &mut Vec<Piece>,
+) -> Mapped<()> {
     let entry = *file.entry(entity)?;
     let parameters = file.parameters(entity)?;
     if depth > MAX_DEPTH || pieces.len() >= MOST_PIECES {

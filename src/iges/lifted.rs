@@ -5,7 +5,7 @@
 
 use super::boundary::Bound;
 use super::curve::{self, Piece, flattened};
-use super::file::{Mapped, Problem};
+use super::directory::{Mapped, Problem};
 use super::reader::{Form, Reader, SurfaceUse};
 use super::spans::{Span, joined};
 use super::surface::ParameterMap;
@@ -44,6 +44,21 @@ pub fn bounds(
         bounds.push(Bound { piece: lifted, pcurve });
     }
     Ok(bounds)
+}
+
+/// Where the first curves of parameter-space curve `entity` start in space.
+pub fn starts(
+    reader: &mut Reader,
+    entity: u32,
+    surface: u32,
+    outer: &DAffine3,
+    most: usize,
+) -> Mapped<Vec<DVec3>> {
+    let used = reader.surface(surface, outer, Form::Bounded)?;
+    let carrier = &reader.model.surfaces[used.id];
+    let pieces = curve::pieces(&reader.file, entity, &DAffine3::IDENTITY)?;
+    let start = |piece: &Piece| carrier.point(used.parameters.apply(piece.ends()[0].truncate()));
+    Ok(pieces.iter().take(most).map(start).collect())
 }
 
 /// The sides of a surface's parameter rectangle, counter-clockwise.

@@ -1,7 +1,7 @@
 //! IGES 4.0 to 5.3: trimmed surfaces, boundary representations, and surfaces that stand alone.
 //!
 //! ```text
-//! bytes ─card→ records ─global, file→ directory ─assembly→ what stands where ─solid, trimmed→ brep::Model
+//! bytes ─card→ records ─global, directory→ directory ─assembly→ what stands where ─solid, trimmed→ brep::Model
 //!                          └─ value: parameters of one entity, decoded whenever the mapping reaches it
 //! ```
 //!
@@ -15,7 +15,7 @@ mod card;
 mod compressed;
 mod conic;
 mod curve;
-mod file;
+mod directory;
 mod global;
 mod lifted;
 mod placement;
@@ -35,7 +35,7 @@ mod corpus_tests;
 mod tests;
 
 use crate::brep::{Model, Severity};
-use file::{File, Problem};
+use directory::{Directory, Problem};
 use reader::Reader;
 
 pub use card::looks_like_iges;
@@ -51,7 +51,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
         return Err(IgesError::Binary);
     }
     let global = global::read(&cards.global);
-    let file = File::new(&cards, global.delimiters);
+    let file = Directory::new(&cards, global.delimiters);
     if file.len() == 0 {
         return Err(IgesError::Empty);
     }

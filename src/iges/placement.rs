@@ -1,6 +1,6 @@
 //! Transformation matrices (entity 124) and the way from an entity's definition space to the model, in millimetres.
 
-use super::file::{File, Mapped};
+use super::directory::{Directory, Mapped};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Matrices may refer to matrices; longer chains are cyclic or hostile.
@@ -10,7 +10,7 @@ const MAX_CHAIN: usize = 16;
 const SIMILAR: f64 = 1e-5;
 
 /// The place of `entity`: its own matrix, seen from `outer`.
-pub fn of(file: &File, entity: u32, outer: &DAffine3) -> Mapped<DAffine3> {
+pub fn of(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<DAffine3> {
     let mut placement = DAffine3::IDENTITY;
     let mut next = file.entry(entity)?.transform;
     for _ in 0..MAX_CHAIN {
@@ -21,14 +21,14 @@ pub fn of(file: &File, entity: u32, outer: &DAffine3) -> Mapped<DAffine3> {
         placement = matrix(file, next)? * placement;
         next = file.entry(next)?.transform;
     }
-    Err(super::file::Problem {
+    Err(super::directory::Problem {
         entity: next,
         kind: 124,
         reason: "matrices refer to each other in a circle".into(),
     })
 }
 
-fn matrix(file: &File, entity: u32) -> Mapped<DAffine3> {
+fn matrix(file: &Directory, entity: u32) -> Mapped<DAffine3> {
     let parameters = file.parameters(entity)?;
     if parameters.kind != 124 {
         return Err(parameters.problem("this is no transformation matrix"));

@@ -1,6 +1,6 @@
 //! What all mapping functions share: the file, the model in the making, what was already mapped, and the findings.
 
-use super::file::{Entry, File, Mapped, Parameters, Problem};
+use super::directory::{Directory, Entry, Mapped, Parameters, Problem};
 use super::surface::{ParameterMap, sheet};
 use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
 use crate::geometry::Surface;
@@ -31,7 +31,7 @@ pub enum Form {
 /// The state of one import.
 pub struct Reader<'a> {
     /// The file.
-    pub file: File<'a>,
+    pub file: Directory<'a>,
     /// What was mapped.
     pub model: Model,
     /// From the file's units to millimetres.
@@ -54,7 +54,7 @@ pub struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// A reader at the start.
-    pub fn new(file: File<'a>, millimetres: f64, resolution: f64) -> Self {
+    pub fn new(file: Directory<'a>, millimetres: f64, resolution: f64) -> Self {
         Self {
             file,
             model: Model::default(),
@@ -77,6 +77,8 @@ impl<'a> Reader<'a> {
     /// Surface `entity`, placed in `outer`.
     pub fn surface(&mut self, entity: u32, outer: &DAffine3, form: Form) -> Mapped<SurfaceUse> {
         let in_place = *outer == self.unit;
+        // Only swept surfaces have two forms.
+        let form = if matches!(self.file.kind(entity), 120 | 122) { form } else { Form::Bounded };
         if let Some(known) = self.surfaces.get(&(entity, form)).filter(|_| in_place) {
             return Ok(known.clone());
         }

@@ -2,7 +2,7 @@
 
 use super::boundary::{Bound, trim_loop};
 use super::curve::{self, Piece};
-use super::file::{Mapped, Problem};
+use super::directory::{Mapped, Problem};
 use super::reader::{Form, Reader};
 use super::style;
 use crate::brep::{Body, BodyKind, Coedge, Color, Edge, Face, Id, Severity, TrimLoop, Vertex};

@@ -1,6 +1,6 @@
 //! Colours (field 13 of the directory, entity 314) and names (entity 406, form 15).
 
-use super::file::{File, Parameters};
+use super::directory::{Directory, Parameters};
 use super::value::Value;
 use crate::brep::Color;
 
@@ -17,7 +17,7 @@ const COLORS: [Color; 8] = [
 ];
 
 /// The colour that `entity` itself has.
-pub fn color(file: &File, entity: u32) -> Option<Color> {
+pub fn color(file: &Directory, entity: u32) -> Option<Color> {
     let number = file.entry(entity).ok()?.color;
     if number >= 0 {
         return COLORS.get((number as usize).checked_sub(1)?).copied();
@@ -29,7 +29,7 @@ pub fn color(file: &File, entity: u32) -> Option<Color> {
 
 /// The name that a property gives to an entity whose own parameters end before index `after`: then come a count of
 /// associativities, these, a count of properties, and these.
-pub fn name(file: &File, parameters: &Parameters, after: usize) -> String {
+pub fn name(file: &Directory, parameters: &Parameters, after: usize) -> String {
     let count = |at: usize| parameters.count(at, 1).unwrap_or(0);
     let properties = after + 1 + count(after);
     for i in 0..count(properties) {

@@ -1,7 +1,7 @@
 //! Surface entities in millimetres: 108, 114, 118, 120, 122, 128, 190, 192, 194, 196, 198.
 
 use super::curve::{cubic, ordered};
-use super::file::{File, Mapped, Parameters};
+use super::directory::{Directory, Mapped, Parameters};
 use super::placement::{self, is_similarity};
 use super::reader::Form;
 use super::spans::Span;
@@ -84,7 +84,7 @@ impl Arc {
 }
 
 /// Surface `entity`, placed in `outer`.
-pub fn sheet(file: &File, entity: u32, outer: &DAffine3, form: Form) -> Mapped<Sheet> {
+pub fn sheet(file: &Directory, entity: u32, outer: &DAffine3, form: Form) -> Mapped<Sheet> {
     let entry = *file.entry(entity)?;
     let parameters = file.parameters(entity)?;
     let place = placement::of(file, entity, outer)?;
@@ -240,7 +240,7 @@ fn bspline(parameters: &Parameters) -> Mapped<Surface> {
 
 /// Entities 190 to 198, and the units of their parameters.
 fn elementary(
-    file: &File,
+    file: &Directory,
     parameters: &Parameters,
     has_reference: bool,
     place: &DAffine3,
@@ -289,7 +289,7 @@ fn elementary(
 }
 
 /// A point (entity 116), in the units of the file.
-pub fn location(file: &File, entity: u32) -> Mapped<DVec3> {
+pub fn location(file: &Directory, entity: u32) -> Mapped<DVec3> {
     let parameters = file.parameters(entity)?;
     if parameters.kind != 116 {
         return Err(parameters.problem("this is no point"));
@@ -298,7 +298,7 @@ pub fn location(file: &File, entity: u32) -> Mapped<DVec3> {
 }
 
 /// A direction (entity 123).
-fn direction(file: &File, entity: u32) -> Mapped<DVec3> {
+fn direction(file: &Directory, entity: u32) -> Mapped<DVec3> {
     let parameters = file.parameters(entity)?;
     if parameters.kind != 123 {
         return Err(parameters.problem("this is no direction"));

@@ -2,7 +2,7 @@
 //! (The NURBS Book, §8.3 to 8.5). Their parameters are those of the file, but for arcs: see `ParameterMap`.
 
 use super::curve::{pieces, profile};
-use super::file::{File, Mapped, Parameters};
+use super::directory::{Directory, Mapped, Parameters};
 use super::reader::Form;
 use super::recognise;
 use super::spans::elevated;
@@ -25,7 +25,7 @@ fn sheet(
 }
 
 /// Entity 122: the directrix, and the point to which its start moves.
-pub fn tabulated(file: &File, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
+pub fn tabulated(file: &Directory, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
     let directrix = parameters.reference(1)?;
     let (curve, spans) = profile(file, directrix, place)?;
     let target = place.transform_point3(parameters.point(2)?);
@@ -47,7 +47,7 @@ pub fn tabulated(file: &File, parameters: &Parameters, place: &DAffine3, form: F
 }
 
 /// Entity 120: the axis (a line), the generatrix, and the angles between which it turns.
-pub fn revolved(file: &File, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
+pub fn revolved(file: &Directory, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
     let axis = pieces(file, parameters.reference(1)?, place)?;
     let [start, end] = match axis.as_slice() {
         [piece] => piece.ends(),
@@ -108,7 +108,7 @@ fn turned(
 
 /// Entity 118: two curves, the second one run backwards where DIRFLG is 1. Points at equal shares of the parameters are
 /// joined (form 1); equal shares of the arc lengths (form 0) are the same for lines and circles and near it for others.
-pub fn ruled(file: &File, parameters: &Parameters, place: &DAffine3) -> Mapped<Sheet> {
+pub fn ruled(file: &Directory, parameters: &Parameters, place: &DAffine3) -> Mapped<Sheet> {
     let rail = |at: usize, backwards: bool| -> Mapped<BsplineCurve<Homogeneous3>> {
         let entity = parameters.reference(at)?;
         // A rail may shrink to a point.

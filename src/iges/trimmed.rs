@@ -1,14 +1,22 @@
 //! Faces without topology: trimmed surfaces (144 with 142), bounded surfaces (143 with 141), and surfaces that stand alone.
 
 use super::boundary::{Bound, trim_loop};
-use super::curve;
-use super::file::{Mapped, Problem};
+use super::curve::{self, Piece};
+use super::directory::{Mapped, Problem};
 use super::lifted;
 use super::placement;
 use super::reader::{Form, Reader, SurfaceUse};
 use super::style;
 use crate::brep::{Color, Face, Id, Severity, TrimLoop};
-use glam::DAffine3;
+use crate::geometry::invert_surface;
+use crate::numeric::Aabb;
+use glam::{DAffine3, DVec3};
+
+/// A curve farther than this share of its loop's size from its surface belongs to another one.
+const OFF_SURFACE: f64 = 1e-2;
+
+/// How many curves of a loop are compared with what they should lie on.
+const MOST_COMPARED: usize = 8;
 
 impl Reader<'_> {
     /// The face of a 144, a 143 or a surface that stands alone.
@@ -94,17 +102,49 @@ impl Reader<'_> {
             curve => curve::pieces(&self.file, curve, place),
         };
         match in_space {
-            Ok(pieces) if !pieces.is_empty() => Ok(pieces.into_iter().map(Bound::from).collect()),
+            Ok(pieces)
+                if !pieces.is_empty()
+                    && (flat == 0 || !self.lies_elsewhere(&pieces, flat, surface, used, place)) =>
+            {
+                Ok(pieces.into_iter().map(Bound::from).collect())
+            }
             Ok(_) if flat == 0 => Err(none.clone()),
             Err(problem) if flat == 0 => Err(problem),
             result => {
-                if let (Err(problem), true) = (result, curve != 0) {
-                    let reason = format!("{}; its parameter curve counts instead", problem.reason);
-                    self.report(Severity::Warning, Problem { reason, ..problem });
+                let problem = result.err().filter(|_| curve != 0);
+                let reason =
+                    problem.as_ref().map_or("the curve in space is not on the surface", |p| &p.reason);
+                if curve != 0 {
+                    let reason = format!("{reason}; the parameter curve counts instead");
+                    let entity = problem.as_ref().map_or(curve, |p| p.entity);
+                    self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
                 }
                 lifted::bounds(self, flat, surface, used, place)
             }
         }
+    }
+
+    /// Whether a curve in space has nothing to do with its surface, although the parameter curve `flat` has: some files
+    /// carry a dummy. Points of the one that are among the ends of the other show cheaply that all is well.
+    fn lies_elsewhere(
+        &mut self,
+        pieces: &[Piece],
+        flat: u32,
+        surface: u32,
+        used: &SurfaceUse,
+        place: &DAffine3,
+    ) -> bool {
+        let ends: Vec<DVec3> = pieces.iter().flat_map(Piece::ends).collect();
+        let size = Aabb::around(pieces.iter().flat_map(|p| [p.at(0.0), p.at(0.5), p.at(1.0)])).diagonal();
+        let off = OFF_SURFACE * size + self.resolution;
+        let starts = lifted::starts(self, flat, surface, place, MOST_COMPARED).unwrap_or_default();
+        let is_end = |start: &DVec3| ends.iter().any(|end| end.distance(*start) <= off);
+        if starts.iter().all(is_end) {
+            return false;
+        }
+        let surface = &self.model.surfaces[used.id];
+        let distant = |piece: &Piece| invert_surface(surface, piece.at(0.5), None).distance > off;
+        pieces.iter().take(MOST_COMPARED).any(distant)
     }
 
     /// Entity 143: type, surface, how many boundaries, these.

@@ -40,7 +40,7 @@ pub struct Entry {
 
 /// A file of entities.
 #[derive(Debug)]
-pub struct File<'a> {
+pub struct Directory<'a> {
     entries: Vec<Entry>,
     parameters: Vec<&'a [u8]>,
     /// The first parameter record that points back to an entity, for entries that point to a wrong one.
@@ -75,7 +75,7 @@ pub struct Problem {
 /// The result of a mapping.
 pub type Mapped<T> = Result<T, Problem>;
 
-impl<'a> File<'a> {
+impl<'a> Directory<'a> {
     /// The entities of `cards`.
     pub fn new(cards: &Cards<'a>, delimiters: Delimiters) -> Self {
         if let Some(lines) = &cards.compressed {
