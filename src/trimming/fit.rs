@@ -234,7 +234,7 @@ impl Fitter<'_> {
             }
             let (Foot { uv, distance: off }, _) =
                 self.target.foot(point, Some(uv), near, self.piece.entity)?;
-            good &= self.target.surface.point(uv).distance(image) <= tolerance.max(0.02 * off);
+            good &= self.target.surface.point(uv).distance(image) <= tolerance.max(0.02 * off.max(near));
             if !good {
                 break;
             }
@@ -246,7 +246,8 @@ impl Fitter<'_> {
         let segment = self.hermite(a, b);
         let (good, worst) = self.check(&segment, a, b)?;
         if good || depth == 0 || state.budget == 0 {
-            if !good && !(worst <= OFF_SURFACE * self.target.size) {
+            let limit = OFF_SURFACE * self.target.size;
+            if !good && (worst > limit || !worst.is_finite()) {
                 return Err(TrimError::Numeric(format!(
                     "the image of edge #{} does not converge ({worst:.1e} mm off)",
                     self.piece.entity

@@ -46,10 +46,10 @@ pub(super) fn outline(
     let first = trace(target, edges, left, None)?;
     let Some(outline) = first else { return Ok(None) };
     // Without a seed the first edge may have come out on the wrong side of a seam: then start from the loop's end.
-    let tail = outline.images.last().map(|image| end_of(image));
+    let tail = outline.images.last().map(end_of);
     let seam_jump = tail.is_some_and(|tail| outline.jumps(target, tail));
     if seam_jump && let Some(second) = trace(target, edges, left, tail)? {
-        let still = second.images.last().is_some_and(|image| second.jumps(target, end_of(image)));
+        let still = second.images.last().map(end_of).is_some_and(|tail| second.jumps(target, tail));
         if !still {
             return Ok(Some(second));
         }

@@ -272,13 +272,11 @@ fn helical_strip_of_three_turns() {
     let mut b = Builder::new(cylinder());
     let helix = |offset: f64| {
         let count = 160;
-        let points = (0..=count)
-            .map(|i| {
-                let t = 3.0 * TAU * f64::from(i) / f64::from(count);
-                DVec3::new(2.0 * t.cos(), 2.0 * t.sin(), t / TAU + offset)
-            })
-            .collect::<Vec<_>>();
-        points
+        let at = |i: i32| {
+            let t = 3.0 * TAU * f64::from(i) / f64::from(count);
+            DVec3::new(2.0 * t.cos(), 2.0 * t.sin(), t / TAU + offset)
+        };
+        (0..=count).map(at).collect::<Vec<DVec3>>()
     };
     let (low, high) = (helix(0.0), helix(0.5));
     let mut outline = low.clone();

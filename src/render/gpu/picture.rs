@@ -85,6 +85,7 @@ impl Gpu {
         let mut film = Film::new(width as usize, height as usize);
         let Some((eye_distance, placed)) = place_camera(camera, options.resolution, scene.scene.header)
         else {
+            options.background.put_behind(&mut film);
             return Ok(film);
         };
         let specialisation = Specialisation::of(scene.scene.header);
@@ -129,6 +130,7 @@ impl Gpu {
                 }
             }
         }
+        options.background.put_behind(&mut film);
         Ok(film)
     }
 }
