@@ -76,7 +76,7 @@ pub fn compare_pictures(a: &Film, b: &Film, size: f64) -> PictureDifference {
     for i in 0..a.color.len() {
         result.covered += usize::from(a.color[i][3] > 0.0);
         let apart = (0..4).map(|k| (a.color[i][k] - b.color[i][k]).abs()).fold(0.0, f32::max);
-        result.color += usize::from(!(apart <= 2.0 / 255.0));
+        result.color += usize::from(apart.is_nan() || apart > 2.0 / 255.0);
         let depth = a.depth[i] == b.depth[i] || f64::from((a.depth[i] - b.depth[i]).abs()) < 1e-3 * size;
         let normal = (0..3).map(|k| (a.normal[i][k] - b.normal[i][k]).abs()).fold(0.0, f32::max) < 1e-2;
         let same = a.face[i] == b.face[i] && a.part[i] == b.part[i] && depth && normal;

@@ -8,6 +8,8 @@ mod synthetic;
 
 use compare::{compare_hits, compare_pictures};
 use glam::DVec3;
+use std::path::{Path, PathBuf};
+use trimray::bake::BakeOptions;
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu};
 use trimray::render::{Background, Camera, Ray, RenderOptions};
@@ -15,6 +17,9 @@ use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
 /// Share of rays that have to agree. What is left are near ties: silhouettes, trim borders, coincident faces.
 const LEAST_AGREEMENT: f64 = 0.999;
+
+/// Rays for each fixture.
+const FIXTURE_RAYS: u32 = 2_000;
 
 fn gpu() -> Option<Gpu> {
     match Gpu::new(AdapterChoice::Any) {
@@ -125,12 +130,32 @@ fn pictures_agree() {
     assert_pictures_agree("orthographic", &gpu, &scene, &camera(&scene, true), &options(false));
 }
 
+/// All fixtures, as the importer and the bake make them.
+#[test]
+fn fixtures_agree() {
+    let Some(gpu) = gpu() else { return };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .map(|entries| entries.flatten().map(|entry| entry.path().join("model.step")).collect())
+        .unwrap_or_default();
+    files.retain(|file| file.exists());
+    files.sort();
+    for file in &files {
+        let name = file.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
+        let model = trimray::import::import(file).unwrap();
+        let buffers = trimray::bake::bake(&model, &BakeOptions::default(), &|_, _| {});
+        assert_hits_agree(&name, &gpu, &buffers.scene(), FIXTURE_RAYS);
+    }
+    eprintln!("{} fixtures compared", files.len());
+}
+
 /// Changes on the GPU's side alone, each of which the comparison has to notice.
 #[test]
 fn canaries_are_noticed() {
     let Some(gpu) = gpu() else { return };
     let buffers = synthetic::every_kind();
-    let wrong: [(&str, fn(&mut SceneBuffers)); 4] = [
+    type Change = fn(&mut SceneBuffers);
+    let wrong: [(&str, Change); 4] = [
         ("a kernel without tori", |scene| scene.header.feature_mask &= !(1 << FaceKind::Torus as u32)),
         ("a cylinder too wide by a hundredth", |scene| scene.faces[1].radius_0 *= 1.01),
         ("a trim curve moved by a tenth", |scene| {

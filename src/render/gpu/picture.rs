@@ -142,7 +142,8 @@ fn place_camera(camera: &Camera, resolution: [u32; 2], header: &Header) -> Optio
     let center = eye + camera.forward * distance;
     let grid = (center / step).round();
     // Half of what an i32 holds: the kernel adds what pixels are apart. The scene is 2¹⁶ steps wide.
-    if !(grid.abs().max_element() < f64::from(1 << 30)) || resolution.contains(&0) {
+    let fits = grid.abs().max_element() < f64::from(1 << 30);
+    if !fits || resolution.contains(&0) {
         return None;
     }
     let forward = camera.forward.as_vec3();
