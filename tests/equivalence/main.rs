@@ -11,7 +11,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use trimray::bake::BakeOptions;
 use trimray::render::cpu::{self, Precision};
-use trimray::render::gpu::{AdapterChoice, Gpu};
+use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
 use trimray::render::{Background, Camera, Ray, RenderOptions};
 use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
@@ -90,17 +90,26 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
     }
 }
 
-fn assert_hits_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, rays: u32) {
+/// Whether the comparison was possible: a software device may give up, and says so.
+fn assert_hits_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, rays: u32) -> bool {
     let rays = chords(scene, rays);
     let on_gpu = gpu.upload(scene).unwrap();
+    let expected = cpu::probe(scene, &rays, Precision::F32, false);
     for first_only in [false, true] {
-        let expected = cpu::probe(scene, &rays, Precision::F32, first_only);
-        let found = gpu.probe(&on_gpu, &rays, first_only).unwrap();
-        let difference = compare_hits(&rays, &expected, &found, radius(scene));
+        let found = match gpu.probe(&on_gpu, &rays, first_only) {
+            Ok(found) => found,
+            Err(GpuError::Incomplete) if gpu.is_software() => {
+                eprintln!("{name}, {}: {}", gpu.name(), GpuError::Incomplete);
+                return false;
+            }
+            Err(error) => panic!("{name}: {error}"),
+        };
+        let difference = compare_hits(&rays, &expected, &found, radius(scene), first_only);
         eprintln!("{name}, {}: first only {first_only}, {difference:?}", gpu.name());
         assert!(difference.hits > 0, "{name}: no ray hits");
         assert!(difference.agreement() >= LEAST_AGREEMENT, "{name}: {difference:?}");
     }
+    true
 }
 
 fn assert_pictures_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, camera: &Camera, options: &RenderOptions) {
@@ -118,7 +127,7 @@ fn assert_pictures_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, camera: &Came
 fn hits_agree() {
     let Some(gpu) = gpu() else { return };
     let buffers = synthetic::every_kind();
-    assert_hits_agree("every kind", &gpu, &buffers.scene(), 6_000);
+    assert!(assert_hits_agree("every kind", &gpu, &buffers.scene(), 6_000));
 }
 
 #[test]
@@ -140,13 +149,15 @@ fn fixtures_agree() {
         .unwrap_or_default();
     files.retain(|file| file.exists());
     files.sort();
+    let mut compared = 0;
     for file in &files {
         let name = file.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         let model = trimray::import::import(file).unwrap();
         let buffers = trimray::bake::bake(&model, &BakeOptions::default(), &|_, _| {});
-        assert_hits_agree(&name, &gpu, &buffers.scene(), FIXTURE_RAYS);
+        compared += usize::from(assert_hits_agree(&name, &gpu, &buffers.scene(), FIXTURE_RAYS));
     }
-    eprintln!("{} fixtures compared", files.len());
+    eprintln!("{compared} of {} fixtures compared", files.len());
+    assert!(compared * 5 >= files.len() * 4, "{compared} of {} fixtures compared", files.len());
 }
 
 /// Changes on the GPU's side alone, each of which the comparison has to notice.
@@ -170,7 +181,7 @@ fn canaries_are_noticed() {
         change(&mut changed);
         let scene = changed.scene();
         let found = gpu.probe(&gpu.upload(&scene).unwrap(), &rays, false).unwrap();
-        let difference = compare_hits(&rays, &expected, &found, radius(&scene));
+        let difference = compare_hits(&rays, &expected, &found, radius(&scene), false);
         eprintln!("{name}: {difference:?}");
         assert!(difference.agreement() < LEAST_AGREEMENT, "{name} is not noticed: {difference:?}");
     }

@@ -90,6 +90,27 @@ impl Specialisation {
     }
 }
 
+/// What the probe kernel answers instead of a number of hits where it ran out of loop turns.
+pub(super) const INCOMPLETE: u32 = u32::MAX;
+
+/// The text of a kernel that counts the turns of its loops.
+///
+/// Mesa's software renderer ends every loop of an invocation, without a word, after 65,535 turns in total. Hits found by then are not
+/// all hits, so its kernels keep count and say so. Counting all turns errs on the safe side: loops that the compiler unrolls are free.
+pub fn counting_source(entry: Entry, specialisation: &Specialisation) -> String {
+    let mut text = String::new();
+    for line in source(entry, specialisation).lines() {
+        text.push_str(line);
+        text.push('\n');
+        let opens_loop =
+            ["for (", "while ", "loop {"].iter().any(|start| line.trim_start().starts_with(start));
+        if opens_loop && line.ends_with('{') {
+            text.push_str("turns += 1u;\n");
+        }
+    }
+    text
+}
+
 /// The whole text of a kernel.
 pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
     let mut text = prelude(specialisation);
@@ -104,7 +125,7 @@ pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation) -> String {
-    let words: [(&str, u32); 15] = [
+    let words: [(&str, u32); 16] = [
         ("WORKGROUP_SIZE", WORKGROUP_SIZE),
         ("MAX_NET_DEGREE", specialisation.max_net_degree.max(1)),
         ("MAX_TRIM_DEGREE", specialisation.max_trim_degree.max(1)),
@@ -119,6 +140,7 @@ fn prelude(specialisation: &Specialisation) -> String {
         ("PLANE_STEPS", trim_node::PLANE_STEPS),
         ("FAR", trim_node::FAR),
         ("MANY", trim_node::MANY),
+        ("INCOMPLETE", INCOMPLETE),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
     ];
     let mut text = String::new();
@@ -205,9 +227,14 @@ impl Gpu {
         if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
+        let text = if self.is_software() {
+            counting_source(entry, &specialisation)
+        } else {
+            source(entry, &specialisation)
+        };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(entry_point),
-            source: wgpu::ShaderSource::Wgsl(source(entry, &specialisation).into()),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
         });
         self.check()?;
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

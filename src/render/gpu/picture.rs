@@ -65,7 +65,8 @@ struct Center {
     depth: f32,
     instance: u32,
     face: u32,
-    reserved: [u32; 2],
+    incomplete: u32,
+    reserved: u32,
 }
 
 impl Gpu {
@@ -120,6 +121,9 @@ impl Gpu {
                 *color = sum.map(|component| component / samples as f32);
             }
             let seen: Vec<Center> = self.read(&centers, count)?;
+            if seen.iter().any(|center| center.incomplete != 0) {
+                return Err(GpuError::Incomplete);
+            }
             for (pixel, center) in (first..).zip(seen) {
                 if center.face != 0 {
                     film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;

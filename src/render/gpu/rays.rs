@@ -4,7 +4,7 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::Specialisation;
+use super::kernels::{INCOMPLETE, Specialisation};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::NO_NET;
 use crate::render::cpu::hit::finish_hit;
@@ -108,6 +108,9 @@ impl Gpu {
         let mut crowded = Vec::new();
         let mut first_slot = 0;
         for (ray, &count) in pending.iter().zip(&counts) {
+            if count == INCOMPLETE {
+                return Err(GpuError::Incomplete);
+            }
             let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
             first_slot += ray.slots as usize;
             if count > ray.slots && ray.slots < BATCH_SLOTS {
