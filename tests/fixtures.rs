@@ -65,9 +65,17 @@ struct Fixture {
     described: Described,
 }
 
+/// Surfaces that are refused so far: their faces are dropped, with a reason.
+const UNSUPPORTED: &[&str] = &["offset"];
+
 impl Fixture {
     fn model(&self) -> PathBuf {
         self.folder.join("model.step")
+    }
+
+    /// Faces that cannot be imported yet.
+    fn unsupported_faces(&self) -> u64 {
+        UNSUPPORTED.iter().filter_map(|kind| self.described.expect.surfaces.get(*kind)).sum()
     }
 }
 
@@ -132,19 +140,22 @@ fn counts_and_sizes_are_those_of_the_exporter() {
         let output = trimray(&[&"info", &"--json", &fixture.model()])?;
         let info: Value = serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
         let expected = &fixture.described.expect;
-        let dropped: Vec<&Value> =
-            list(&info["diagnostics"]).iter().filter(|d| d["severity"] == "dropped").collect();
-        ensure!(dropped.is_empty(), "dropped: {dropped:?}");
+        let unsupported = fixture.unsupported_faces();
         for (what, found, wanted) in [
             ("unit", &info["unit"], Value::from(expected.unit.as_str())),
             ("solids", &info["solids"], expected.solids.into()),
             ("declared faces", &info["faces"]["declared"], expected.faces.into()),
-            ("baked faces", &info["faces"]["baked"], expected.faces.into()),
-            ("face occurrences", &info["faces"]["occurrences"], expected.face_occurrences.into()),
+            ("dropped faces", &info["faces"]["dropped"], unsupported.into()),
+            ("baked faces", &info["faces"]["baked"], (expected.faces - unsupported).into()),
+            (
+                "face occurrences",
+                &info["faces"]["occurrences"],
+                (expected.face_occurrences - unsupported).into(),
+            ),
             ("parts", &list(&info["parts"]).len().into(), expected.parts.into()),
             ("instances", &list(&info["instances"]).len().into(), expected.instances.into()),
         ] {
-            ensure!(*found == wanted, "{what}: {found}, expected {wanted}");
+            ensure!(*found == wanted, "{what}: {found}, expected {wanted}; {}", info["diagnostics"]);
         }
         check_kinds(&info["faces"]["by_kind"], &expected.surfaces)?;
         check_box(&info["bbox"], &expected.bbox)?;
@@ -166,7 +177,11 @@ fn check_kinds(found: &Value, surfaces: &BTreeMap<String, u64>) -> Result<(), St
         total += count;
     }
     total += found["nets"].as_u64().unwrap_or(0);
-    let declared: u64 = surfaces.values().sum();
+    let declared: u64 = surfaces
+        .iter()
+        .filter(|(kind, _)| !UNSUPPORTED.contains(&kind.as_str()))
+        .map(|(_, count)| count)
+        .sum();
     ensure!(total == declared, "{total} faces of known kinds, expected {declared}");
     Ok(())
 }
@@ -194,6 +209,9 @@ const AGREEING: f64 = 0.99;
 #[test]
 fn rays_hit_where_another_kernel_says() {
     check_all("hits", |fixture| {
+        if fixture.unsupported_faces() > 0 {
+            return Ok("left out: it has faces that are not supported".into());
+        }
         let text = fs::read_to_string(fixture.folder.join("hits.json")).map_err(|e| e.to_string())?;
         let oracle: Oracle = serde_json::from_str(&text).map_err(|e| e.to_string())?;
         let tolerance = 1e-6 * distance(&oracle.bbox[..3], &oracle.bbox[3..]);

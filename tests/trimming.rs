@@ -12,7 +12,7 @@ use trimray::geometry::{Bezier, Homogeneous, Homogeneous2, Surface};
 use trimray::trimming::{FaceTrim, TrimError, TrimOptions, trim_face};
 
 /// Rows of a face on which its area is summed.
-const ROWS: usize = 96;
+const ROWS: usize = 192;
 
 /// The four-point Gauss–Legendre rule on [0, 1].
 const GAUSS: [(f64, f64); 4] = [
@@ -101,10 +101,12 @@ fn area(surface: &Surface, trim: &FaceTrim) -> (DVec3, f64) {
 
 fn trim_all(path: &Path, model: &Model, print: bool) -> Count {
     let mut count = Count::default();
+    // Where the reader dropped faces, bodies cannot be closed.
+    let is_whole = model.diagnostics.iter().all(|diagnostic| diagnostic.faces == 0);
     let options = TrimOptions::default();
     for part in model.parts.iter() {
         for body in &part.bodies {
-            let (mut sum, mut total, mut complete) = (DVec3::ZERO, 0.0, true);
+            let (mut sum, mut total, mut complete) = (DVec3::ZERO, 0.0, is_whole);
             for &id in &body.faces {
                 let face: &Face = &model.faces[id];
                 let surface = &model.surfaces[face.surface];

@@ -18,6 +18,8 @@ mod outline;
 mod region;
 mod slab;
 mod tensor;
+#[cfg(test)]
+mod tests;
 mod trim_query;
 #[cfg(test)]
 mod trim_tests;

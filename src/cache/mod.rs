@@ -1,25 +1,27 @@
 //! The `.trimray` file: header, section table, page-aligned Pod sections, metadata.
+//!
+//! The sections are the arrays of a [`crate::scene::SceneBuffers`] as they stand in memory, so that opening a file is mapping it and checking it. A
+//! section that a scene does not need is absent. The bytes depend on the scene and its provenance alone.
+//! Integers and floats are little-endian; a file from a machine of the other kind is refused by its mark.
 
-use crate::scene::{Scene, SceneBuffers};
-use std::path::Path;
+mod format;
+mod open;
+#[cfg(test)]
+mod tests;
+mod write;
 
-/// Writes `scene` to a temporary file beside `path` and renames it.
-pub fn write(path: &Path, scene: &Scene<'_>, source_hash: [u8; 32]) -> Result<(), CacheError> {
-    todo!()
-}
+pub use open::CacheFile;
+pub use write::write;
 
-/// A mapped and validated cache file.
-pub struct CacheFile {}
-
-impl CacheFile {
-    /// Maps and validates.
-    pub fn open(path: &Path) -> Result<Self, CacheError> {
-        todo!()
-    }
-    /// The scene in it.
-    pub fn scene(&self) -> Scene<'_> {
-        todo!()
-    }
+/// What a scene was baked from, and how.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Provenance {
+    /// BLAKE3 of the source file.
+    pub source_hash: [u8; 32],
+    /// The distortion ρ of leaves.
+    pub distortion: f64,
+    /// The relative tolerance of trims.
+    pub trim_tolerance: f64,
 }
 
 /// Why a cache file cannot be used.

@@ -3,7 +3,8 @@
 use super::Failure;
 use super::args::{Bake, General};
 use super::load::{Purpose, is_baked, load, nothing};
-use crate::cache;
+use crate::bake::BakeOptions;
+use crate::cache::{self, Provenance};
 use anyhow::Context;
 use std::io::Write;
 use std::path::Path;
@@ -21,7 +22,13 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
     if scene.faces.is_empty() {
         return Err(nothing(input, &scene, "bake").into());
     }
-    cache::write(&output, &scene, hash(input)?)?;
+    let options = BakeOptions::default();
+    let provenance = Provenance {
+        source_hash: hash(input)?,
+        distortion: options.distortion,
+        trim_tolerance: options.trim.relative_tolerance,
+    };
+    cache::write(&output, &scene, &provenance)?;
     if !general.quiet {
         let source_size = std::fs::metadata(input).map_or(0, |m| m.len());
         let baked_size = std::fs::metadata(&output).map_or(0, |m| m.len());

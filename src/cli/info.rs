@@ -20,7 +20,7 @@ pub(super) fn run(command: &Info, general: &General) -> anyhow::Result<()> {
     let summary = Summary::of(&loaded.scene());
     let mut out = std::io::stdout().lock();
     if command.json {
-        serde_json::to_writer_pretty(&mut out, &summary)?;
+        serde_json::to_writer_pretty(&mut out, &summary).map_err(std::io::Error::from)?;
         writeln!(out)?;
     } else {
         write_text(&mut out, &summary, general.verbose > 0)?;

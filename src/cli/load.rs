@@ -7,7 +7,8 @@ use super::report;
 use crate::bake::{BakeOptions, bake};
 use crate::cache::CacheFile;
 use crate::import::import;
-use crate::scene::{Scene, SceneBuffers};
+use crate::scene::{Scene, SceneBuffers, validate};
+use anyhow::Context;
 use std::path::Path;
 use std::time::Instant;
 
@@ -71,6 +72,8 @@ fn import_and_bake(path: &Path, keep_f64: bool, general: &General) -> anyhow::Re
     let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
     drop(progress);
     buffers.metadata.file_name = file_name(path);
+    validate(&buffers.scene())
+        .with_context(|| format!("{}: the baked scene is unsound; please report this", path.display()))?;
     log::info!(
         "imported in {:.2} s, baked in {:.2} s",
         (imported - start).as_secs_f64(),

@@ -169,7 +169,7 @@ struct HitsLine<'a> {
 
 fn write_hits(out: &mut impl Write, scene: &Scene<'_>, ray: &Ray, hits: &[Hit]) -> anyhow::Result<()> {
     let hits = hits.iter().map(|hit| hit_line(scene, ray, hit)).collect();
-    serde_json::to_writer(&mut *out, &HitsLine { hits })?;
+    serde_json::to_writer(&mut *out, &HitsLine { hits }).map_err(std::io::Error::from)?;
     out.write_all(b"\n")?;
     Ok(())
 }

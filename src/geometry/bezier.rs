@@ -24,8 +24,8 @@ pub trait Homogeneous:
     fn weight(self) -> f64;
     /// Whether all components are finite numbers.
     fn is_finite(self) -> bool;
-    /// The distance between the Cartesian points.
-    fn distance(self, other: Self) -> f64;
+    /// The distance between the Cartesian points (`distance` of glam would take the weights for a coordinate).
+    fn separation(self, other: Self) -> f64;
 }
 
 /// `(w·x, w·y, w·z, w)`.
@@ -47,7 +47,7 @@ impl Homogeneous for DVec4 {
     fn is_finite(self) -> bool {
         DVec4::is_finite(self)
     }
-    fn distance(self, other: Self) -> f64 {
+    fn separation(self, other: Self) -> f64 {
         Homogeneous::point(self).distance(Homogeneous::point(other))
     }
 }
@@ -66,7 +66,7 @@ impl Homogeneous for DVec3 {
     fn is_finite(self) -> bool {
         DVec3::is_finite(self)
     }
-    fn distance(self, other: Self) -> f64 {
+    fn separation(self, other: Self) -> f64 {
         Homogeneous::point(self).distance(Homogeneous::point(other))
     }
 }

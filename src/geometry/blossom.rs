@@ -130,7 +130,7 @@ pub(super) fn clamped<P: Homogeneous>(
     for (i, point) in points.iter().enumerate() {
         // The start has exactly degree + 1 equal knots by now, so any other such run is an inner one.
         if i > 0 && knots[i] == knots[i + degree] {
-            if points[i - 1].distance(*point) > tolerance {
+            if points[i - 1].separation(*point) > tolerance {
                 return Err(KnotError::Discontinuous(i));
             }
             continue;

@@ -2,7 +2,7 @@
 
 use super::bezier::{Homogeneous, Homogeneous3};
 use super::blossom::{clamp_end, clamp_start, clamped, reversed};
-use super::knots::{Basis, KnotError, KnotVector};
+use super::knots::{Basis, FEW, KnotError, KnotVector, MANY};
 use super::surface::SurfaceDerivatives;
 use glam::{DVec2, DVec3, DVec4};
 
@@ -51,27 +51,27 @@ impl<P: Homogeneous> BsplineCurve<P> {
     pub fn eval(&self, t: f64) -> P {
         let [first, last] = self.domain();
         let p = self.knots.degree();
-        let basis = self.knots.basis(t.clamp(first, last), 0);
+        let basis = self.knots.basis::<MANY>(t.clamp(first, last), 0);
         combine(&basis.values[0][..=p], &self.points[basis.first..=basis.first + p])
     }
     /// The homogeneous point at `t`, clamped to the domain, and its first two derivatives.
     pub fn derivatives(&self, t: f64) -> [P; 3] {
         let [first, last] = self.domain();
         let p = self.knots.degree();
-        let basis = self.knots.basis(t.clamp(first, last), 2);
+        let basis = self.knots.basis::<MANY>(t.clamp(first, last), 2);
         let points = &self.points[basis.first..=basis.first + p];
         std::array::from_fn(|k| combine(&basis.values[k][..=p], points))
     }
     /// Whether the end is where the start is, within 1e-9 of the size of the control polygon.
     pub fn is_closed(&self) -> bool {
-        self.points[0].distance(self.points[self.points.len() - 1]) <= CLOSED * size(&self.points)
+        self.points[0].separation(self.points[self.points.len() - 1]) <= CLOSED * size(&self.points)
     }
     /// The same curve over `[a, b]`, clamped to the domain; run backwards, over `[−a, −b]`, where `a > b`. `None` where
     /// nothing of the range lies in the domain.
     pub fn piece(&self, a: f64, b: f64) -> Option<Self> {
         let [first, last] = self.domain();
         let (low, high) = (a.min(b).max(first), a.max(b).min(last));
-        if !(low < high) {
+        if low >= high {
             return None;
         }
         let degree = self.knots.degree();
@@ -166,7 +166,7 @@ impl BsplineSurface {
         std::array::from_fn(|axis| {
             let mut pairs = self.side(axis, false).zip(self.side(axis, true)).peekable();
             let ratio = pairs.peek().map_or(1.0, |(a, b)| b.w / a.w);
-            pairs.all(|(a, b)| a.distance(b) <= tolerance && (b.w - ratio * a.w).abs() <= CLOSED * b.w)
+            pairs.all(|(a, b)| a.separation(b) <= tolerance && (b.w - ratio * a.w).abs() <= CLOSED * b.w)
         })
     }
 
@@ -178,7 +178,15 @@ impl BsplineSurface {
 
     /// Value and derivatives up to second order, (u, v) clamped to the domain.
     pub fn derivatives(&self, uv: DVec2) -> SurfaceDerivatives {
-        let (u, v) = self.bases(uv, 2);
+        if self.u_knots.degree().max(self.v_knots.degree()) < FEW {
+            self.derivatives_of::<FEW>(uv)
+        } else {
+            self.derivatives_of::<MANY>(uv)
+        }
+    }
+
+    fn derivatives_of<const N: usize>(&self, uv: DVec2) -> SurfaceDerivatives {
+        let (u, v) = self.bases::<N>(uv, 2);
         let [p, q] = [self.u_knots.degree(), self.v_knots.degree()];
         let v_count = self.v_knots.point_count();
         let mut sums = [DVec4::ZERO; 6];
@@ -203,7 +211,15 @@ impl BsplineSurface {
 
     /// The point at `uv`, clamped to the domain.
     pub fn point(&self, uv: DVec2) -> DVec3 {
-        let (u, v) = self.bases(uv, 0);
+        if self.u_knots.degree().max(self.v_knots.degree()) < FEW {
+            self.point_of::<FEW>(uv)
+        } else {
+            self.point_of::<MANY>(uv)
+        }
+    }
+
+    fn point_of<const N: usize>(&self, uv: DVec2) -> DVec3 {
+        let (u, v) = self.bases::<N>(uv, 0);
         let [p, q] = [self.u_knots.degree(), self.v_knots.degree()];
         let v_count = self.v_knots.point_count();
         let row = |i: usize| {
@@ -213,7 +229,7 @@ impl BsplineSurface {
         Homogeneous::point((0..=p).map(row).fold(DVec4::ZERO, |sum, term| sum + term))
     }
 
-    fn bases(&self, uv: DVec2, order: usize) -> (Basis, Basis) {
+    fn bases<const N: usize>(&self, uv: DVec2, order: usize) -> (Basis<N>, Basis<N>) {
         let ([u0, u1], [v0, v1]) = (self.u_knots.domain(), self.v_knots.domain());
         (self.u_knots.basis(uv.x.clamp(u0, u1), order), self.v_knots.basis(uv.y.clamp(v0, v1), order))
     }
@@ -243,13 +259,13 @@ fn combine<P: Homogeneous>(weights: &[f64], points: &[P]) -> P {
 
 fn check_points<P: Homogeneous>(points: &[P]) -> Result<(), KnotError> {
     // Differences of coordinates are squared and divided by weights on the way: beyond this they may overflow.
-    let good = |p: &P| Homogeneous::is_finite(*p) && p.weight() > 0.0 && p.distance(points[0]).is_finite();
+    let good = |p: &P| Homogeneous::is_finite(*p) && p.weight() > 0.0 && p.separation(points[0]).is_finite();
     points.iter().position(|p| !good(p)).map_or(Ok(()), |i| Err(KnotError::Point(i)))
 }
 
 /// The greatest distance from the first control point: between half the diameter and all of it.
 fn size<P: Homogeneous>(points: &[P]) -> f64 {
-    points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max)
+    points.iter().map(|p| p.separation(points[0])).fold(0.0, f64::max)
 }
 
 fn clamp_rows(
@@ -275,7 +291,7 @@ fn piece_rows(
 ) -> Option<(Vec<f64>, Vec<Homogeneous3>)> {
     let [first, last] = knots.domain();
     let (low, high) = (a.max(first), b.min(last));
-    if !(low < high) {
+    if low >= high {
         return None;
     }
     let mut cut_knots = Vec::new();

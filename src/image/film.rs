@@ -1,5 +1,7 @@
 //! The film: what a renderer fills, pixel by pixel, top row first.
 
+use super::picture::decode_srgb;
+
 /// A picture and what each pixel shows. Arrays have `width · height` elements, rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
@@ -32,5 +34,34 @@ impl Film {
             part: vec![0; pixels],
             face: vec![0; pixels],
         }
+    }
+
+    /// Puts a wall of one colour behind everything: light that a pixel does not cover is replaced by it.
+    pub fn put_behind(&mut self, srgb: [f32; 3]) {
+        let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
+        for color in &mut self.color {
+            let uncovered = 1.0 - color[3];
+            for channel in 0..3 {
+                color[channel] += uncovered * light[channel];
+            }
+            color[3] = 1.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Picture;
+
+    #[test]
+    fn a_wall_shows_where_the_model_does_not_cover_it() {
+        let mut film = Film::new(3, 1);
+        film.color[1] = [0.2, 0.1, 0.0, 1.0];
+        film.color[2] = [0.1, 0.1, 0.1, 0.5];
+        film.put_behind([1.0, 0.0, 0.0]);
+        assert_eq!(film.color[1], [0.2, 0.1, 0.0, 1.0]);
+        assert_eq!(film.color[2], [0.6, 0.1, 0.1, 1.0]);
+        assert_eq!(Picture::from(&film).pixels[0], [255, 0, 0, 255]);
     }
 }

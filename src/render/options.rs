@@ -1,5 +1,7 @@
 //! What a picture should look like.
 
+use crate::image::Film;
+
 /// What stands behind the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Background {
@@ -7,6 +9,16 @@ pub enum Background {
     Color([f32; 3]),
     /// Nothing: the picture has coverage in its alpha channel.
     Transparent,
+}
+
+impl Background {
+    /// Puts it behind what a film shows.
+    pub(super) fn put_behind(self, film: &mut Film) {
+        match self {
+            Self::Color(srgb) => film.put_behind(srgb),
+            Self::Transparent => {}
+        }
+    }
 }
 
 /// How to render.

@@ -16,6 +16,7 @@ mod layout;
 mod layout_tests;
 mod metadata;
 mod validate;
+mod validate_trees;
 
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_TREE_DEPTH, Material, NO_MATERIAL,

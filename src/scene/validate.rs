@@ -1,6 +1,16 @@
 //! Every index, count and bound of a scene, checked once before any kernel relies on them.
 
-use super::Scene;
+use super::validate_trees::{bvh, trim_trees};
+use super::{FaceKind, NO_MATERIAL, Scene, TrimSegment, primitive};
+
+/// Degrees that the kernels evaluate.
+const MAX_DEGREE: u32 = 25;
+
+/// Grid coordinates stay within this, so that their differences are exact.
+const MAX_STEPS: u32 = 1 << 30;
+
+/// Levels of a leaf's sub-domain: indices have 12 bits.
+const MAX_LEVEL: u32 = 12;
 
 /// What is wrong with a scene.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -14,7 +24,192 @@ pub struct InvalidScene {
     pub reason: &'static str,
 }
 
+/// Nothing, or the first failed condition.
+pub(super) type Check = Result<(), InvalidScene>;
+
+/// Fails for element `index` of `array` unless `condition` holds.
+pub(super) fn require(condition: bool, array: &'static str, index: usize, reason: &'static str) -> Check {
+    if condition { Ok(()) } else { Err(InvalidScene { array, index, reason }) }
+}
+
 /// Checks all that the kernels rely on: after it, no index is out of range, no tree has a cycle or is deeper than the kernels' stacks.
 pub fn validate(scene: &Scene<'_>) -> Result<(), InvalidScene> {
-    todo!()
+    header(scene)?;
+    instances(scene)?;
+    faces(scene)?;
+    nets(scene)?;
+    leaves(scene)?;
+    curves(scene)?;
+    for (index, material) in scene.materials.iter().enumerate() {
+        let channels = [material.rgb[0], material.rgb[1], material.rgb[2], material.opacity];
+        let valid = channels.iter().all(|x| (0.0..=1.0).contains(x));
+        require(valid, "materials", index, "a channel is outside of 0..=1")?;
+    }
+    doubles(scene)?;
+    bvh(scene)?;
+    trim_trees(scene)
+}
+
+fn header(scene: &Scene<'_>) -> Check {
+    let header = scene.header;
+    let step = header.grid_step;
+    let is_power = step.is_normal() && step > 0.0 && step.to_bits() << 12 == 0;
+    require(is_power && (1e-30..1e30).contains(&step), "header", 0, "the grid step is not a power of two")?;
+    require(header.world_anchor.iter().all(|x| x.is_finite()), "header", 0, "the anchor is not finite")?;
+    require(
+        header.half_size.iter().all(|x| x.is_finite() && *x >= 0.0),
+        "header",
+        0,
+        "the size is not finite",
+    )?;
+    require(header.max_net_degree <= MAX_DEGREE, "header", 0, "nets have too high a degree")?;
+    require(header.max_trim_degree <= MAX_DEGREE, "header", 0, "trim curves have too high a degree")?;
+    let metadata = scene.metadata;
+    require(metadata.parts.len() == scene.parts.len(), "metadata", 0, "not one entry per part")?;
+    require(metadata.faces.len() == scene.faces.len(), "metadata", 0, "not one entry per face")?;
+    require(metadata.instances.len() == scene.instances.len(), "metadata", 0, "not one entry per instance")
+}
+
+fn on_grid(grid: [i32; 3]) -> bool {
+    grid.iter().all(|steps| steps.unsigned_abs() <= MAX_STEPS)
+}
+
+fn finite<const N: usize>(groups: [&[f32]; N]) -> bool {
+    groups.iter().all(|group| group.iter().all(|x| x.is_finite()))
+}
+
+fn instances(scene: &Scene<'_>) -> Check {
+    for (index, instance) in scene.instances.iter().enumerate() {
+        let check = |condition, reason| require(condition, "instances", index, reason);
+        check((instance.part as usize) < scene.parts.len(), "no such part")?;
+        check(
+            instance.material == NO_MATERIAL || (instance.material as usize) < scene.materials.len(),
+            "no such material",
+        )?;
+        check(on_grid(instance.grid), "it lies outside of the grid")?;
+        let numbers: [&[f32]; 5] = [
+            &instance.part_from_world_0,
+            &instance.part_from_world_1,
+            &instance.part_from_world_2,
+            &instance.fraction,
+            &[instance.radius],
+        ];
+        check(finite(numbers) && instance.radius >= 0.0, "a number is not finite")?;
+    }
+    Ok(())
+}
+
+fn faces(scene: &Scene<'_>) -> Check {
+    for (index, face) in scene.faces.iter().enumerate() {
+        let check = |condition, reason| require(condition, "faces", index, reason);
+        check(face.kind <= FaceKind::Nets as u32, "no such kind")?;
+        check(scene.header.feature_mask >> face.kind & 1 == 1, "its kind is not in the feature mask")?;
+        check((face.material as usize) < scene.materials.len(), "no such material")?;
+        check((face.part as usize) < scene.parts.len(), "no such part")?;
+        check(on_grid(face.grid), "it lies outside of the grid")?;
+        let numbers: [&[f32]; 8] = [
+            &face.x_axis,
+            &face.y_axis,
+            &face.z_axis,
+            &face.offset,
+            &[face.radius_0, face.radius_1],
+            &face.uv_low,
+            &face.uv_scale,
+            &face.period,
+        ];
+        check(finite(numbers), "a number is not finite")?;
+        check(face.uv_scale.iter().all(|&x| x > 0.0), "its window has no size")?;
+        check(face.period.iter().all(|&x| x == 0.0 || x > 0.99), "its window is wider than its period")?;
+    }
+    Ok(())
+}
+
+fn nets(scene: &Scene<'_>) -> Check {
+    for (index, net) in scene.nets.iter().enumerate() {
+        let check = |condition, reason| require(condition, "nets", index, reason);
+        let [p, q] = [net.degrees & 0xff, net.degrees >> 8 & 0xff];
+        check(p >= 1 && q >= 1 && p.max(q) <= scene.header.max_net_degree, "its degrees are out of range")?;
+        let points = (p as usize + 1) * (q as usize + 1);
+        check(net.first_point as usize + points <= scene.net_points.len(), "no such points")?;
+        let face = scene.faces.get(net.face as usize);
+        check(face.is_some_and(|face| face.kind == FaceKind::Nets as u32), "no such face of nets")?;
+        check(finite([&net.uv_low, &net.uv_size]), "a number is not finite")?;
+    }
+    for (index, point) in scene.net_points.iter().enumerate() {
+        let valid = point.iter().all(|x| x.is_finite()) && point[3] > 0.0;
+        require(valid, "net_points", index, "it is not finite or its weight is not positive")?;
+    }
+    Ok(())
+}
+
+fn leaves(scene: &Scene<'_>) -> Check {
+    for (index, leaf) in scene.net_leaves.iter().enumerate() {
+        let check = |condition, reason| require(condition, "net_leaves", index, reason);
+        check((leaf.net as usize) < scene.nets.len(), "no such net")?;
+        for axis in [leaf.domain & 0xffff, leaf.domain >> 16] {
+            let level = axis >> 12;
+            check(level <= MAX_LEVEL && (axis & 0xfff) >> level == 0, "its domain is outside of the net")?;
+        }
+        let numbers: [&[f32]; 4] =
+            [&leaf.center, &leaf.tangent_u, &leaf.tangent_v, &[leaf.extent_n, leaf.extent_u, leaf.extent_v]];
+        check(finite(numbers), "a number is not finite")?;
+    }
+    for (index, &word) in scene.primitives.iter().enumerate().skip(scene.instances.len()) {
+        let valid = match primitive::unpack(word) {
+            primitive::Primitive::Face(face) => {
+                scene.faces.get(face as usize).is_some_and(|face| face.kind != FaceKind::Nets as u32)
+            }
+            primitive::Primitive::NetLeaf(leaf) => (leaf as usize) < scene.net_leaves.len(),
+        };
+        require(valid, "primitives", index, "no such face or leaf")?;
+    }
+    Ok(())
+}
+
+fn curves(scene: &Scene<'_>) -> Check {
+    for (index, segment) in scene.trim_segments.iter().enumerate() {
+        let check = |condition, reason| require(condition, "trim_segments", index, reason);
+        let unit = |x: &f32| (0.0..=1.0).contains(x);
+        let numbers = [&segment.low[..], &segment.high, &[segment.t_low, segment.t_high]];
+        check(numbers.iter().all(|group| group.iter().all(unit)), "a number is outside of 0..=1")?;
+        check(segment.low[1] <= segment.high[1], "its ends are in the wrong order")?;
+        let degree = segment.flags & TrimSegment::DEGREE_MASK;
+        check(degree == 1 || degree <= scene.header.max_trim_degree, "its degree is out of range")?;
+        check(degree >= 1, "its degree is out of range")?;
+        let end = segment.curve as usize + degree as usize + 1;
+        check(degree == 1 || end <= scene.trim_points.len(), "no such points")?;
+    }
+    for (index, point) in scene.trim_points.iter().enumerate() {
+        let valid = point.iter().all(|x| x.is_finite()) && point[2] > 0.0;
+        require(valid, "trim_points", index, "it is not finite or its weight is not positive")?;
+    }
+    Ok(())
+}
+
+fn doubles(scene: &Scene<'_>) -> Check {
+    let whole = |exact: usize, single: usize| exact == 0 || exact == single;
+    require(whole(scene.faces_f64.len(), scene.faces.len()), "faces_f64", 0, "not one per face")?;
+    require(
+        whole(scene.instances_f64.len(), scene.instances.len()),
+        "instances_f64",
+        0,
+        "not one per instance",
+    )?;
+    require(
+        whole(scene.net_points_f64.len(), scene.net_points.len()),
+        "net_points_f64",
+        0,
+        "not one per point",
+    )?;
+    let all = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+    for (index, face) in scene.faces_f64.iter().enumerate() {
+        require(all(bytemuck::cast_slice(&[*face])), "faces_f64", index, "a number is not finite")?;
+    }
+    for (index, instance) in scene.instances_f64.iter().enumerate() {
+        require(all(bytemuck::cast_slice(&[*instance])), "instances_f64", index, "a number is not finite")?;
+    }
+    for (index, point) in scene.net_points_f64.iter().enumerate() {
+        require(all(point) && point[3] > 0.0, "net_points_f64", index, "it is not a homogeneous point")?;
+    }
+    Ok(())
 }

@@ -34,12 +34,8 @@ pub fn read(reader: &Reader) -> Catalog {
             let Ok(entity) = reader.entity(statement.id) else { continue };
             // A complex instance is what its most specific part says; the parts stand in alphabetical order.
             let keyword = |keyword: &&str| entity.is(keyword);
-            let known = FACE_KEYWORDS
-                .iter()
-                .chain(&BODY_KEYWORDS)
-                .chain(&COMPLEX_KEYWORDS)
-                .copied()
-                .find(|k| keyword(&k));
+            let known =
+                FACE_KEYWORDS.iter().chain(&BODY_KEYWORDS).chain(&COMPLEX_KEYWORDS).copied().find(keyword);
             if let Some(known) = known {
                 catalog.add(known, statement.id);
             }

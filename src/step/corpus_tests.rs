@@ -56,7 +56,7 @@ fn every_face_of_real_files_is_accounted_for() {
                 let seconds = start.elapsed().as_secs_f64();
                 check(&model, &name);
                 let children: usize = model.parts.iter().map(|p| p.children.len()).sum();
-                println!(
+                eprintln!(
                     "{name:.50}: {}/{} faces, {} parts, {} roots, {children} placements, {} findings, {:.0} ms",
                     model.faces.len(),
                     model.declared_faces,
@@ -66,11 +66,39 @@ fn every_face_of_real_files_is_accounted_for() {
                     seconds * 1e3,
                 );
                 for diagnostic in model.diagnostics.iter().take(4) {
-                    println!("    {diagnostic}");
+                    eprintln!("    {diagnostic}");
                 }
             }
-            Err(error) => println!("{name}: {error}"),
+            Err(error) => eprintln!("{name}: {error}"),
         }
+    }
+}
+
+#[test]
+fn fixtures_are_read_whole() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
+    let Ok(entries) = std::fs::read_dir(&root) else {
+        eprintln!("skipped: no fixtures, as in a published package");
+        return;
+    };
+    for folder in entries.filter_map(|entry| entry.ok().map(|e| e.path())) {
+        let Ok(bytes) = std::fs::read(folder.join("model.step")) else { continue };
+        let fixture =
+            std::fs::read_to_string(folder.join("fixture.toml")).expect("a fixture has a description");
+        let fixture: toml::Table = fixture.parse().expect("the description is TOML");
+        let model = read(&bytes).expect("a fixture is STEP");
+        let name = folder.display().to_string();
+        check(&model, &name);
+        // Offset surfaces have no form in the model yet; everything else has one.
+        let unexpected: Vec<_> =
+            model.diagnostics.iter().filter(|d| !d.reason.starts_with("OFFSET_SURFACE")).collect();
+        assert!(unexpected.is_empty(), "{name}: {unexpected:?}");
+        assert_eq!(
+            fixture["expect"]["faces"].as_integer(),
+            i64::try_from(model.declared_faces).ok(),
+            "{name}"
+        );
+        assert_eq!(fixture["expect"]["unit"].as_str(), Some(model.source.unit.name.as_str()), "{name}");
     }
 }
 
@@ -87,7 +115,7 @@ fn edges_begin_and_end_at_their_vertices() {
                 .fold(0.0, f64::max);
             if distance > 0.02 {
                 far += 1;
-                println!("{}: edge #{} is {distance} mm off its vertex", path.display(), edge.entity);
+                eprintln!("{}: edge #{} is {distance} mm off its vertex", path.display(), edge.entity);
             }
         }
     }
@@ -148,5 +176,5 @@ fn ruststep_sees_the_same_entities_in_real_files() {
         assert_eq!(with_ours(&text), theirs, "{}", path.display());
         compared += 1;
     }
-    println!("{compared} files compared with ruststep");
+    eprintln!("{compared} files compared with ruststep");
 }

@@ -11,7 +11,7 @@ use super::map_style::Styles;
 use super::map_topology::BODY_KEYWORDS;
 use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
 use super::units::{self, Units};
-use super::value::{self, Entity};
+use super::value::Entity;
 use crate::brep::{Child, Color, Id, Part, Severity};
 use glam::DAffine3;
 use std::collections::{HashMap, HashSet};
@@ -128,7 +128,7 @@ impl Assembly {
                 context: record.reference(2),
             };
             for &item in &representation.items {
-                if keyword_of(reader, item) == "MAPPED_ITEM" {
+                if reader.keyword(item) == "MAPPED_ITEM" {
                     waiting.extend(mapped_representation(reader, item).ok().map(|(_, mapped, _)| mapped));
                 }
             }
@@ -235,10 +235,10 @@ impl Assembly {
             let id = self.order[at];
             let Representation { items, context, .. } = self.representations[&id].clone();
             for item in items {
-                if keyword_of(reader, item) == "MAPPED_ITEM" {
-                    if let Err(problem) = self.place_mapped_item(reader, id, context, item, styles) {
-                        reader.report(Severity::Warning, problem);
-                    }
+                if reader.keyword(item) == "MAPPED_ITEM"
+                    && let Err(problem) = self.place_mapped_item(reader, id, context, item, styles)
+                {
+                    reader.report(Severity::Warning, problem);
                 }
             }
         }
@@ -402,7 +402,7 @@ impl Assembly {
         if left > 0 {
             let first = reader.open_faces.iter().copied().min().unwrap_or(0);
             let reason = format!("{left} faces belong to no body of a product, such as #{first}");
-            let kind = keyword_of(reader, first).into_owned();
+            let kind = reader.keyword(first).into_owned();
             reader.report(Severity::Dropped, Problem { entity: first, kind, reason });
             if let Some(diagnostic) = reader.model.diagnostics.last_mut() {
                 diagnostic.faces = u32::try_from(left).unwrap_or(u32::MAX);
@@ -419,7 +419,7 @@ impl Assembly {
         // Solids before the shells that they are made of.
         let mut bodies = catalog.bodies.clone();
         bodies.sort_by_key(|&id| {
-            let keyword = keyword_of(reader, id);
+            let keyword = reader.keyword(id);
             BODY_KEYWORDS
                 .iter()
                 .position(|k| *k == keyword)
@@ -454,19 +454,8 @@ fn is_name(name: &str) -> bool {
     !name.is_empty() && !name.starts_with("=>[")
 }
 
-/// The keyword of entity `id` in upper case; empty where it is complex or missing.
-fn keyword_of<'a>(reader: &Reader<'a>, id: u64) -> std::borrow::Cow<'a, str> {
-    match reader.index.find(id) {
-        Some(statement) => {
-            let bytes = reader.index.bytes;
-            value::upper_case(value::leading_keyword(&bytes[statement.body.clone()]))
-        }
-        None => "".into(),
-    }
-}
-
 fn is_body(reader: &Reader, id: u64) -> bool {
-    let keyword = keyword_of(reader, id);
+    let keyword = reader.keyword(id);
     if keyword.is_empty() {
         return reader.entity(id).is_ok_and(|e| BODY_KEYWORDS.iter().any(|k| e.is(k)));
     }
@@ -474,7 +463,7 @@ fn is_body(reader: &Reader, id: u64) -> bool {
 }
 
 fn report_other_shape(reader: &mut Reader, id: u64) {
-    let kind = keyword_of(reader, id).into_owned();
+    let kind = reader.keyword(id).into_owned();
     if kind == "GEOMETRIC_SET" {
         let reason = "surfaces and curves without topology are left out".into();
         reader.report(Severity::Note, Problem { entity: id, kind, reason });
@@ -492,7 +481,7 @@ fn defined_product(reader: &Reader, id: u64) -> Option<(u64, u64)> {
     let shape = reader.entity(entity.first().reference(0)?).ok()?;
     let product = shape.first().reference(2)?;
     let representation = entity.first().reference(1)?;
-    keyword_of(reader, product).starts_with("PRODUCT_DEFINITION").then_some((product, representation))
+    reader.keyword(product).starts_with("PRODUCT_DEFINITION").then_some((product, representation))
 }
 
 /// PRODUCT_DEFINITION → formation → PRODUCT: its name, else its id.

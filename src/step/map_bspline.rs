@@ -49,6 +49,7 @@ pub fn is_surface(entity: &Entity) -> bool {
 /// A curve in space, millimetres.
 pub fn curve(reader: &Reader, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
     let (degree, ids, knots, weights) = curve_parts(entity)?;
+    reader.charge(entity, ids.len())?;
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
         points.push(Homogeneous::new(reader.point(*id)?, weight));
@@ -59,6 +60,7 @@ pub fn curve(reader: &Reader, entity: &Entity) -> Mapped<BsplineCurve<Homogeneou
 /// A curve in a parameter plane: coordinates times `scale`.
 pub fn curve2(reader: &Reader, entity: &Entity, scale: DVec2) -> Mapped<BsplineCurve<Homogeneous2>> {
     let (degree, ids, knots, weights) = curve_parts(entity)?;
+    reader.charge(entity, ids.len())?;
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
         let point = reader.point(*id)? / reader.units.millimetres;
@@ -99,12 +101,13 @@ pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<BsplineSurface> {
     let rows = base.list(at + 2);
     let count_v = rows.first().and_then(Value::list).map_or(0, <[Value]>::len);
     let weights = own_record(entity, "RATIONAL_B_SPLINE_SURFACE", 8).map(|(record, at)| record.list(at));
-    let mut points = Vec::with_capacity(rows.len().saturating_mul(count_v).min(reader.index.bytes.len()));
+    let mut points = Vec::new();
     for (i, row) in rows.iter().enumerate() {
         let row = row.list().unwrap_or_default();
         if row.len() != count_v {
             return Err(problem(entity, "the control points form no grid"));
         }
+        reader.charge(entity, count_v)?;
         let row_weights = match weights {
             Some(weights) => numbers(entity, weights.get(i).and_then(Value::list).unwrap_or_default())?,
             None => vec![1.0; count_v],

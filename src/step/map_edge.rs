@@ -143,10 +143,8 @@ fn edge_range(curve: &Curve, points: [DVec3; 2], closed: bool, same_sense: bool)
         _ => [None, None],
     };
     let start = ends[0].unwrap_or_else(|| invert_curve(curve, points[0], None));
-    if closed {
-        if let Some(period) = curve.period() {
-            return [start, if same_sense { start + period } else { start - period }];
-        }
+    if closed && let Some(period) = curve.period() {
+        return [start, if same_sense { start + period } else { start - period }];
     }
     let end = ends[1].unwrap_or_else(|| invert_curve(curve, points[1], None));
     let Some(period) = curve.period() else { return [start, end] };

@@ -130,7 +130,7 @@ impl Reader<'_> {
         let direction = |id: Option<u64>| id.and_then(|id| self.direction(id).ok());
         let origin = self.point(reference(entity.id, record, at)?)?;
         let scale = record.real(at + 1).unwrap_or(1.0);
-        if !(scale.abs() > 0.0) {
+        if scale == 0.0 {
             return Err(problem(entity, "the scale is 0"));
         }
         let [first, second, third] = axes.map(direction);
@@ -197,6 +197,7 @@ impl Reader<'_> {
 
     fn polyline(&self, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
         let mut points = Vec::new();
+        self.charge(entity, entity.first().list(1).len())?;
         for id in entity.first().references(1) {
             points.push(Homogeneous::new(self.point(id)?, 1.0));
         }

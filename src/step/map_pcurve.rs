@@ -1,19 +1,11 @@
 //! Curves in parameter planes (ISO 10303-42: pcurve). They are hints only, so what cannot be used is left out without a word.
 
 use super::map_bspline;
+use super::map_surface::RESHAPED;
 use super::reader::{Mapped, Reader, SurfaceUse, problem, reference};
 use crate::brep::Pcurve;
 use crate::geometry::{BsplineCurve, Curve, Curve2, Surface};
 use glam::DVec2;
-
-/// Surfaces whose parameters are not kept.
-const RESHAPED: [&str; 5] = [
-    "SURFACE_OF_LINEAR_EXTRUSION",
-    "SURFACE_OF_REVOLUTION",
-    "RECTANGULAR_TRIMMED_SURFACE",
-    "CURVE_BOUNDED_SURFACE",
-    "SURFACE_REPLICA",
-];
 
 impl Reader<'_> {
     /// The pcurves among `ids` whose surface is mapped and keeps its parameters, made to run with `curve`'s parameter.
@@ -24,12 +16,12 @@ impl Reader<'_> {
     fn pcurve(&mut self, id: u64, curve: &Curve) -> Mapped<Option<Pcurve>> {
         let entity = self.entity(id)?;
         let Some(record) = entity.record("PCURVE") else { return Ok(None) };
-        let basis = self.referred(id, record, 1)?;
+        let basis = reference(id, record, 1)?;
         // What a swept surface becomes depends on the face, and its parameters are not kept.
-        if RESHAPED.contains(&&*basis.first().keyword) {
+        if RESHAPED.contains(&&*self.keyword(basis)) {
             return Ok(None);
         }
-        let SurfaceUse { id: surface, keeps_parameters, .. } = self.surface(basis.id, &[])?;
+        let SurfaceUse { id: surface, keeps_parameters, .. } = self.surface(basis, &[])?;
         if !keeps_parameters {
             return Ok(None);
         }

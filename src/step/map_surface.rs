@@ -12,6 +12,15 @@ use std::f64::consts::FRAC_PI_2;
 /// Angles below this make a cone a cylinder: over 10 m the radius then changes by less than 1e-5 mm.
 const LEAST_CONE_ANGLE: f64 = 1e-9;
 
+/// Surfaces that take another form, so that their parameters are not kept and their extent may depend on the face.
+pub const RESHAPED: [&str; 5] = [
+    "SURFACE_OF_LINEAR_EXTRUSION",
+    "SURFACE_OF_REVOLUTION",
+    "RECTANGULAR_TRIMMED_SURFACE",
+    "CURVE_BOUNDED_SURFACE",
+    "SURFACE_REPLICA",
+];
+
 /// A surface on the way into the model.
 pub struct MappedSurface {
     /// The surface.

@@ -41,7 +41,7 @@ pub fn extrusion(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped<
         return Err(problem(entity, "the face does not bound the extrusion"));
     };
     let v_range = widened([heights[0] - profile_heights[1], heights[1] - profile_heights[0]]);
-    if !(v_range[1] > v_range[0]) {
+    if v_range[1] <= v_range[0] {
         return Err(problem(entity, "the face has no extent along the extrusion"));
     }
     Ok(cut_to_fit(Surface::Bspline(to_bspline::extrude(&spline, along, v_range))))
@@ -60,7 +60,7 @@ pub fn revolution(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped
         }
         Curve::Circle { frame, radius } => {
             if let Some(surface) = revolved_circle(&axis, frame, *radius) {
-                let t = parameter_off_axis(&profile.curve, &axis);
+                let t = parameter_off_axis(&profile, &axis);
                 let derivatives = profile.curve.derivatives(t);
                 let normal = axis.z.cross(derivatives.point - axis.origin).cross(derivatives.first);
                 return Ok(recognised(surface, derivatives.point, normal));
@@ -199,13 +199,16 @@ fn revolved_circle(axis: &Frame, circle: &Frame, radius: f64) -> Option<Surface>
     axis_in_plane.then_some(Surface::Torus { frame, major, minor: radius })
 }
 
-/// Of eight parameters around a closed profile the one farthest from the axis on the side of the profile's centre.
-fn parameter_off_axis(profile: &Curve, axis: &Frame) -> f64 {
-    let distance = |t: f64| axis.local_point(profile.point(t)).truncate().length();
-    (0..8)
-        .map(|i| TAU * f64::from(i) / 8.0)
-        .max_by(|a, b| distance(*a).total_cmp(&distance(*b)))
-        .unwrap_or(0.0)
+/// A parameter off the axis, in the half of a circle that is meant where it is centred on the axis and so covers its sphere
+/// twice: the middle of its trim, else the side of its own x axis.
+fn parameter_off_axis(profile: &MappedCurve, axis: &Frame) -> f64 {
+    let distance = |t: f64| axis.local_point(profile.curve.point(t)).truncate().length();
+    if let Some([from, to]) = profile.trim {
+        return 0.5 * (from + to);
+    }
+    let candidates = [0.0, 1.0, -1.0, 2.0, 3.0].map(|eighths| eighths * TAU / 8.0);
+    let farthest = candidates.iter().copied().map(distance).fold(0.0, f64::max);
+    candidates.into_iter().find(|&t| distance(t) >= farthest * (1.0 - PARALLEL)).unwrap_or(0.0)
 }
 
 /// `point` moved along `direction` into the plane of a conic; where it is for other curves.

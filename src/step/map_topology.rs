@@ -1,6 +1,7 @@
 //! Loops, faces, shells and solids (ISO 10303-42, clause 5 and 6).
 
 use super::map_style::Styles;
+use super::map_surface::RESHAPED;
 use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, SurfaceUse, problem, reference};
 use super::value::Entity;
 use crate::brep::{Body, BodyKind, Coedge, Color, Face, Id, Severity, TrimLoop};
@@ -33,7 +34,7 @@ impl Reader<'_> {
     /// The solid, surface model or shell `id` with every face that could be mapped; `None` where it was mapped before.
     pub fn body(&mut self, id: u64, styles: &Styles, inherited: Option<Color>) -> Mapped<Option<Body>> {
         let entity = self.entity(id)?;
-        if !self.taken_bodies.insert(id) {
+        if self.taken_bodies.contains(&id) {
             return Ok(None);
         }
         let color = styles.of(id).or(inherited);
@@ -43,6 +44,7 @@ impl Reader<'_> {
             ["MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "FACETED_BREP"].iter().any(|k| entity.is(k));
         let is_model = entity.is("SHELL_BASED_SURFACE_MODEL") || entity.is("FACE_BASED_SURFACE_MODEL");
         let shells: Vec<u64> = if is_solid || is_model {
+            self.taken_bodies.insert(id);
             let all = entity.records.iter().flat_map(|r| &r.parameters);
             all.flat_map(|p| {
                 p.reference().into_iter().chain(p.list().into_iter().flatten().filter_map(|v| v.reference()))
@@ -72,7 +74,9 @@ impl Reader<'_> {
         let (mut id, mut reversed, mut color) = (id, false, inherited);
         for _ in 0..MAX_CHAIN {
             let entity = self.entity(id)?;
-            self.taken_bodies.insert(id);
+            if !self.taken_bodies.insert(id) {
+                return Ok(());
+            }
             color = styles.of(id).or(color);
             let record = entity.first();
             if matches!(&*record.keyword, "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL") {
@@ -155,8 +159,10 @@ impl Reader<'_> {
         let (surface, same_sense) = match entity.record("FACE_SURFACE").or(entity.record("ADVANCED_FACE")) {
             Some(record) => {
                 let at = if complex { 0 } else { 2 };
-                let samples = self.samples(&loops);
-                let used = self.surface(reference(entity.id, record, at)?, &samples)?;
+                let surface = reference(entity.id, record, at)?;
+                let is_reshaped = RESHAPED.contains(&&*self.keyword(surface));
+                let samples = if is_reshaped { self.samples(&loops) } else { Vec::new() };
+                let used = self.surface(surface, &samples)?;
                 (used, record.logical(at + 1) != Some(false))
             }
             None => (self.plane_of(entity, &loops, reversed)?, true),
@@ -198,6 +204,7 @@ impl Reader<'_> {
             "VERTEX_LOOP" => Ok(Some(TrimLoop::Vertex(self.vertex(reference(id, record, 1)?)?))),
             "POLY_LOOP" => self.poly_loop(&entity),
             "EDGE_LOOP" => {
+                self.charge(&entity, record.list(1).len())?;
                 let mut coedges = Vec::with_capacity(record.list(1).len());
                 let mut collapsed = None;
                 for item in record.list(1) {
@@ -231,6 +238,7 @@ impl Reader<'_> {
     }
 
     fn poly_loop(&mut self, entity: &Entity) -> Mapped<Option<TrimLoop>> {
+        self.charge(entity, entity.first().list(1).len())?;
         let mut vertices = Vec::new();
         for id in entity.first().references(1) {
             let vertex = self.point_vertex(id)?;

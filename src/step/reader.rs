@@ -5,6 +5,8 @@ use super::units::Units;
 use super::value::{self, Entity, Record};
 use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
 use crate::geometry::Surface;
+use std::borrow::Cow;
+use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
 /// Why an entity cannot be mapped.
@@ -54,6 +56,9 @@ pub struct Reader<'a> {
     pub surfaces: HashMap<u64, SurfaceUse>,
     /// Faces that the file declares and that are neither imported nor reported yet.
     pub open_faces: HashSet<u64>,
+    /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
+    /// list that many entities share is copied for each, and a hostile file would make that quadratic.
+    budget: Cell<usize>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -61,7 +66,9 @@ pub struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// A reader at the start.
     pub fn new(index: Index<'a>) -> Self {
+        let budget = Cell::new(index.bytes.len());
         Self {
+            budget,
             index,
             model: Model::default(),
             units: Units::default(),
@@ -88,6 +95,24 @@ impl<'a> Reader<'a> {
                 .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
+    }
+
+    /// The keyword of entity `id` in upper case; empty where it is complex or missing.
+    pub fn keyword(&self, id: u64) -> Cow<'a, str> {
+        match self.index.find(id) {
+            Some(statement) => {
+                let bytes = self.index.bytes;
+                value::upper_case(value::leading_keyword(&bytes[statement.body.clone()]))
+            }
+            None => "".into(),
+        }
+    }
+
+    /// Takes `count` list elements of `entity` from the budget.
+    pub fn charge(&self, entity: &Entity, count: usize) -> Mapped<()> {
+        let left = self.budget.get().checked_sub(count);
+        self.budget.set(left.unwrap_or(0));
+        left.map(|_| ()).ok_or_else(|| problem(entity, "the file shares its lists too often"))
     }
 
     /// The entity that parameter `at` of `record`, a part of entity `owner`, refers to.

@@ -52,6 +52,11 @@ pub struct Index<'a> {
 impl Index<'_> {
     /// The statement with this id.
     pub fn find(&self, id: u64) -> Option<&Statement> {
+        // Most files number their instances without gaps.
+        let offset = usize::try_from(id.checked_sub(self.statements.first()?.id)?).ok()?;
+        if let Some(statement) = self.statements.get(offset).filter(|s| s.id == id) {
+            return Some(statement);
+        }
         self.statements.binary_search_by_key(&id, |s| s.id).ok().map(|at| &self.statements[at])
     }
 

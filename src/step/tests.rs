@@ -1,1 +1,399 @@
+//! Small files, each with one quirk that files have.
 
+use super::corpus_tests::check;
+use super::read;
+use crate::brep::{BodyKind, Color, Model, Severity, TrimLoop, occurrences};
+use crate::geometry::{Curve, Surface};
+use glam::{DVec2, DVec3};
+
+const MILLIMETRES: &str = "#900=(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNIT_ASSIGNED_CONTEXT((#901,#902)) \
+    REPRESENTATION_CONTEXT('',''));#901=(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.));\
+    #902=(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.));";
+
+const INCHES: &str = "#910=(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNIT_ASSIGNED_CONTEXT((#911,#902)) \
+    REPRESENTATION_CONTEXT('',''));#911=(CONVERSION_BASED_UNIT('INCH',#912) LENGTH_UNIT() NAMED_UNIT(#914));\
+    #912=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#901);#914=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);";
+
+/// Model of a file with these instances.
+fn model(data: &str) -> Model {
+    let text = format!(
+        "ISO-10303-21;\nHEADER;\nFILE_NAME('n','',(''),(''),'p','a \\X2\\00FC\\X0\\ system','');\n\
+         FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\nENDSEC;\nDATA;\n{MILLIMETRES}{INCHES}\n{data}\n\
+         ENDSEC;\nEND-ISO-10303-21;\n"
+    );
+    let model = read(text.as_bytes()).expect("the file has entities");
+    check(&model, data);
+    model
+}
+
+/// A cube from (0, 0, 0) to (1, 1, 1) with edges, as solid #1 made of ids below 300; its representation #2 is in `context`.
+fn cube(context: &str) -> String {
+    use std::fmt::Write;
+    let mut text = format!(
+        "#1=MANIFOLD_SOLID_BREP('cube',#3);#2=ADVANCED_BREP_SHAPE_REPRESENTATION('r',(#1,#4),{context});"
+    );
+    text += "#4=AXIS2_PLACEMENT_3D('',#10,$,$);";
+    for i in 0..8 {
+        write!(
+            text,
+            "#{}=CARTESIAN_POINT('',({}.,{}.,{}.));#{}=VERTEX_POINT('',#{});",
+            10 + i,
+            i & 1,
+            i >> 1 & 1,
+            i >> 2,
+            20 + i,
+            10 + i
+        )
+        .expect("a string takes all");
+    }
+    for (i, ratios) in ["1.,0.,0.", "0.,1.,0.", "0.,0.,1."].iter().enumerate() {
+        write!(text, "#{}=DIRECTION('',({ratios}));#{}=VECTOR('',#{},1.);", 30 + i, 35 + i, 30 + i)
+            .expect("a string takes all");
+    }
+    // Edge from corner `a` along axis `k` has number 40 + 3·a + k.
+    for a in 0..8_usize {
+        for k in (0..3).filter(|k| a >> k & 1 == 0) {
+            let (edge, b) = (3 * a + k, a | 1 << k);
+            write!(
+                text,
+                "#{}=EDGE_CURVE('',#{},#{},#{},.T.);#{}=LINE('',#{},#{});#{}=ORIENTED_EDGE('',*,*,#{},.T.);#{}=ORIENTED_EDGE('',*,*,#{},.F.);",
+                40 + edge, 20 + a, 20 + b, 70 + edge, 70 + edge, 10 + a, 35 + k, 100 + edge, 40 + edge, 130 + edge, 40 + edge
+            )
+            .expect("a string takes all");
+        }
+    }
+    let mut faces = Vec::new();
+    for k in 0..3 {
+        for side in 0..2 {
+            let (u, v) = ((k + 1) % 3, (k + 2) % 3);
+            let corner = side << k;
+            let edge = |a: usize, k: usize| 3 * a + k;
+            // Counter-clockwise about +k: along u, along v, back along u, back along v.
+            let loop_edges = [
+                100 + edge(corner, u),
+                100 + edge(corner | 1 << u, v),
+                130 + edge(corner | 1 << v, u),
+                130 + edge(corner, v),
+            ];
+            let face = 200 + 2 * k + side;
+            let flag = if side == 1 { ".T." } else { ".F." };
+            write!(
+                text,
+                "#{face}=ADVANCED_FACE('f{face}',(#{}),#{},{flag});#{}=FACE_OUTER_BOUND('',#{},{flag});\
+                 #{}=EDGE_LOOP('',({}));#{}=PLANE('',#{});#{}=AXIS2_PLACEMENT_3D('',#{},#{},$);",
+                face + 10,
+                face + 20,
+                face + 10,
+                face + 30,
+                face + 30,
+                loop_edges.map(|e| format!("#{e}")).join(","),
+                face + 20,
+                face + 40,
+                face + 40,
+                10 + corner,
+                30 + k
+            )
+            .expect("a string takes all");
+            faces.push(format!("#{face}"));
+        }
+    }
+    text + &format!("#3=CLOSED_SHELL('',({}));", faces.join(","))
+}
+
+const PRODUCT: &str = "#500=PRODUCT('id','W\\X\\FCrfel','',());#501=PRODUCT_DEFINITION_FORMATION('','',#500);\
+    #502=PRODUCT_DEFINITION('','',#501,$);#503=PRODUCT_DEFINITION_SHAPE('','',#502);\
+    #504=SHAPE_DEFINITION_REPRESENTATION(#503,#2);";
+
+#[test]
+fn a_cube() {
+    let model = model(&(cube("#900") + PRODUCT));
+    assert_eq!(model.diagnostics, []);
+    assert_eq!((model.faces.len(), model.edges.len(), model.vertices.len()), (6, 12, 8));
+    assert_eq!(
+        (model.source.schema.as_str(), model.source.originating_system.as_str()),
+        ("AUTOMOTIVE_DESIGN", "a ü system")
+    );
+    let part = &model.parts[model.roots[0]];
+    assert_eq!((part.name.as_str(), part.bodies.len(), part.bodies[0].kind), ("Würfel", 1, BodyKind::Solid));
+    for face in model.faces.iter() {
+        let TrimLoop::Edges(coedges) = &face.loops[0] else { panic!("an edge loop") };
+        let end = |i: usize, at: usize| {
+            let coedge = coedges[i];
+            let edge = &model.edges[coedge.edge];
+            edge.curve.point(edge.range[at ^ usize::from(coedge.reversed)])
+        };
+        let corners: Vec<DVec3> = (0..4).map(|i| end(i, 0)).collect();
+        for i in 0..4 {
+            assert!(end(i, 1).distance(corners[(i + 1) % 4]) < 1e-12, "the loop is a chain");
+        }
+        // The face lies to the left of its loop, and its normal points out of the cube.
+        let turning = (corners[1] - corners[0]).cross(corners[2] - corners[1]);
+        let Surface::Plane { frame } = &model.surfaces[face.surface] else { panic!("a plane") };
+        let normal = if face.same_sense { frame.z } else { -frame.z };
+        let outwards = corners.iter().copied().sum::<DVec3>() / 4.0 - DVec3::splat(0.5);
+        assert!(turning.dot(normal) > 0.9 && normal.dot(outwards) > 0.4, "{}", face.name);
+    }
+}
+
+#[test]
+fn units_are_those_of_the_representation() {
+    let model = model(&(cube("#910") + PRODUCT));
+    assert_eq!((model.source.unit.name.as_str(), model.source.unit.millimetres), ("inch", 25.4));
+    let far = model.vertices.iter().map(|v| v.point.max_element()).fold(0.0, f64::max);
+    assert!((far - 25.4).abs() < 1e-12);
+}
+
+#[test]
+fn missing_units_are_millimetres_with_a_warning() {
+    let model = model(&(cube("#920") + PRODUCT + "#920=REPRESENTATION_CONTEXT('','');"));
+    assert_eq!(model.diagnostics.iter().map(|d| d.severity).collect::<Vec<_>>(), [Severity::Warning]);
+    assert_eq!(model.faces.len(), 6);
+}
+
+#[test]
+fn without_products_solids_become_one_part() {
+    let text = cube("#900").replace("#2=ADVANCED_BREP_SHAPE_REPRESENTATION('r',(#1,#4),#900);", "");
+    let model = model(&text);
+    assert_eq!((model.faces.len(), model.roots.len()), (6, 1));
+    assert!(model.diagnostics.iter().any(|d| d.severity == Severity::Note));
+}
+
+#[test]
+fn broken_faces_cost_themselves() {
+    let broken = cube("#900")
+        .replace("#221=PLANE('',#241);", "#221=OFFSET_SURFACE('',#220,1.,.F.);")
+        .replace("#235=EDGE_LOOP", "#235=EDGE_LOPP");
+    let model = model(&(broken + PRODUCT + "#600=ADVANCED_FACE('nobody''s',(),#220,.T.);"));
+    assert_eq!((model.declared_faces, model.faces.len()), (7, 4));
+    assert_eq!(model.diagnostics.iter().map(|d| d.faces).sum::<u32>(), 3);
+    assert!(model.diagnostics.iter().any(|d| d.entity == 201 && d.reason.contains("OFFSET_SURFACE #221")));
+}
+
+/// An assembly #700 that places the cube's representation #2 at (10, 0, 0), turned a quarter about z.
+fn placed(relationship: &str, transformation: &str) -> String {
+    cube("#900")
+        + PRODUCT
+        + "#700=PRODUCT('','assembly','',());#701=PRODUCT_DEFINITION_FORMATION('','',#700);\
+           #702=PRODUCT_DEFINITION('','',#701,$);#703=PRODUCT_DEFINITION_SHAPE('','',#702);\
+           #704=SHAPE_DEFINITION_REPRESENTATION(#703,#705);#705=SHAPE_REPRESENTATION('',(#706),#910);\
+           #706=AXIS2_PLACEMENT_3D('',#707,#32,#31);#707=CARTESIAN_POINT('',(10.,0.,0.));\
+           #710=NEXT_ASSEMBLY_USAGE_OCCURRENCE('id','first cube','',#702,#502,$);\
+           #711=PRODUCT_DEFINITION_SHAPE('','',#710);#712=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#713,#711);"
+        + &format!(
+            "#713=(REPRESENTATION_RELATIONSHIP('','',{relationship}) REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#714) \
+             SHAPE_REPRESENTATION_RELATIONSHIP());#714=ITEM_DEFINED_TRANSFORMATION('','',{transformation});"
+        )
+}
+
+#[test]
+fn occurrences_are_placed_whatever_the_order_of_the_relationship() {
+    // Child first, parent first, and parent first with the items left in the order of a child.
+    for (relationship, items) in [("#2,#705", "#4,#706"), ("#705,#2", "#706,#4"), ("#705,#2", "#4,#706")] {
+        let model = model(&placed(relationship, items));
+        assert_eq!(model.diagnostics, []);
+        let (found, cut) = occurrences(&model);
+        assert!(!cut && found.len() == 1 && model.roots.len() == 1);
+        assert_eq!(found[0].path, "assembly/first cube");
+        // The parent is in inches, the child in millimetres.
+        let point = found[0].world_from_part.transform_point3(DVec3::new(1.0, 0.0, 0.0));
+        assert!(point.distance(DVec3::new(254.0, 1.0, 0.0)) < 1e-9, "{relationship}: {point}");
+    }
+}
+
+#[test]
+fn mapped_items_may_mirror_and_scale() {
+    let model = model(
+        &(cube("#900")
+            + "#800=SHAPE_REPRESENTATION('top',(#801,#811),#900);#801=MAPPED_ITEM('left',#802,#706);\
+               #802=REPRESENTATION_MAP(#4,#2);#706=AXIS2_PLACEMENT_3D('',#707,$,$);#707=CARTESIAN_POINT('',(10.,0.,0.));\
+               #811=MAPPED_ITEM('right',#802,#812);#812=CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$,#30,#813,#707,2.,#32);\
+               #813=DIRECTION('',(0.,-1.,0.));"),
+    );
+    let (found, _) = occurrences(&model);
+    let points: Vec<DVec3> = found.iter().map(|o| o.world_from_part.transform_point3(DVec3::ONE)).collect();
+    assert_eq!(points, [DVec3::new(11.0, 1.0, 1.0), DVec3::new(12.0, -2.0, 2.0)]);
+    assert_eq!((model.roots.len(), model.faces.len()), (1, 6));
+}
+
+#[test]
+fn circles_of_placements_end() {
+    let model = model(
+        &(cube("#900").replace("(#1,#4)", "(#1,#4,#801)")
+            + "#800=SHAPE_REPRESENTATION('b',(#811,#4),#900);#801=MAPPED_ITEM('',#802,#4);\
+               #802=REPRESENTATION_MAP(#4,#800);#811=MAPPED_ITEM('',#812,#4);#812=REPRESENTATION_MAP(#4,#2);"),
+    );
+    assert_eq!(model.roots.len(), 1);
+    assert!(occurrences(&model).1);
+}
+
+#[test]
+fn colours_go_from_outside_in() {
+    let style = |id: u32, item: u32, color: &str| {
+        format!(
+            "#{id}=STYLED_ITEM('',(#{a}),#{item});#{a}=PRESENTATION_STYLE_ASSIGNMENT((#{b}));#{b}=SURFACE_STYLE_USAGE(.BOTH.,#{c});\
+             #{c}=SURFACE_SIDE_STYLE('',(#{d}));#{d}=SURFACE_STYLE_FILL_AREA(#{e});#{e}=FILL_AREA_STYLE('',(#{f}));\
+             #{f}=FILL_AREA_STYLE_COLOUR('',#{g});#{g}={color};",
+            a = id + 1,
+            b = id + 2,
+            c = id + 3,
+            d = id + 4,
+            e = id + 5,
+            f = id + 6,
+            g = id + 7
+        )
+    };
+    let text = cube("#900")
+        + PRODUCT
+        + &style(400, 1, "COLOUR_RGB('',0.25,0.5,1.)")
+        + &style(410, 200, "DRAUGHTING_PRE_DEFINED_COLOUR('red')")
+        + "#420=STYLED_ITEM('',(#421),#202);#421=PRESENTATION_STYLE_ASSIGNMENT((#422));#422=SURFACE_STYLE_USAGE(.BOTH.,#423);\
+           #423=SURFACE_SIDE_STYLE('',(#424));#424=SURFACE_STYLE_RENDERING_WITH_PROPERTIES($,#407,(#425));\
+           #425=SURFACE_STYLE_TRANSPARENT(0.75);";
+    let model = model(&text);
+    let color = |entity: u64| model.faces.iter().find(|f| f.entity == entity).and_then(|f| f.color);
+    assert_eq!(color(200), Some(Color::opaque(1.0, 0.0, 0.0)));
+    assert_eq!(color(201), Some(Color::opaque(0.25, 0.5, 1.0)));
+    assert_eq!(color(202), Some(Color { rgb: [0.25, 0.5, 1.0], opacity: 0.25 }));
+}
+
+/// A face on surface #60, bounded by circles of radius 2 about z at heights 0 and 3, in an open shell.
+fn tube(surface: &str) -> String {
+    "#2=MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#1),#900);#1=SHELL_BASED_SURFACE_MODEL('',(#3));#3=OPEN_SHELL('',(#5));\
+     #5=ADVANCED_FACE('',(#6,#7),#60,.T.);#6=FACE_BOUND('',#8,.T.);#7=FACE_BOUND('',#9,.T.);#8=EDGE_LOOP('',(#10));\
+     #9=EDGE_LOOP('',(#11));#10=ORIENTED_EDGE('',*,*,#12,.T.);#11=ORIENTED_EDGE('',*,*,#13,.F.);\
+     #12=EDGE_CURVE('',#14,#14,#16,.T.);#13=EDGE_CURVE('',#15,#15,#17,.T.);#14=VERTEX_POINT('',#18);\
+     #15=VERTEX_POINT('',#19);#16=CIRCLE('',#20,2.);#17=CIRCLE('',#21,2.);#18=CARTESIAN_POINT('',(2.,0.,0.));\
+     #19=CARTESIAN_POINT('',(2.,0.,3.));#20=AXIS2_PLACEMENT_3D('',#22,$,$);#21=AXIS2_PLACEMENT_3D('',#23,$,$);\
+     #22=CARTESIAN_POINT('',(0.,0.,0.));#23=CARTESIAN_POINT('',(0.,0.,3.));#30=DIRECTION('',(0.,0.,1.));\
+     #31=DIRECTION('',(0.,0.,-1.));#32=VECTOR('',#30,1.);#33=VECTOR('',#31,1.);#34=AXIS1_PLACEMENT('',#22,#30);\
+     #35=LINE('',#18,#32);#36=LINE('',#18,#33);#37=DIRECTION('',(1.,0.,1.));#38=VECTOR('',#37,1.);\
+     #39=LINE('',#18,#38);#40=DIRECTION('',(0.,1.,0.));#41=AXIS2_PLACEMENT_3D('',#22,#40,$);\
+     #42=AXIS2_PLACEMENT_3D('',#18,#40,$);"
+        .to_owned()
+        + surface
+}
+
+#[test]
+fn swept_surfaces_are_recognised_and_keep_their_sense() {
+    let cases = [
+        ("#60=CYLINDRICAL_SURFACE('',#20,2.);", "cylinder", true),
+        ("#60=SURFACE_OF_LINEAR_EXTRUSION('',#16,#32);", "cylinder", true),
+        ("#60=SURFACE_OF_LINEAR_EXTRUSION('',#16,#33);", "cylinder", false),
+        ("#60=SURFACE_OF_REVOLUTION('',#35,#34);", "cylinder", true),
+        ("#60=SURFACE_OF_REVOLUTION('',#36,#34);", "cylinder", false),
+        ("#60=SURFACE_OF_REVOLUTION('',#39,#34);", "cone", true),
+        (
+            "#60=RECTANGULAR_TRIMMED_SURFACE('',#61,0.,1.,0.,1.,.T.,.F.);#61=CYLINDRICAL_SURFACE('',#20,2.);",
+            "cylinder",
+            false,
+        ),
+        ("#60=SURFACE_OF_REVOLUTION('',#61,#34);#61=CIRCLE('',#41,2.);", "sphere", false),
+        ("#60=SURFACE_OF_REVOLUTION('',#61,#34);#61=CIRCLE('',#42,0.5);", "torus", false),
+        ("#60=TOROIDAL_SURFACE('',#20,2.,0.5);", "torus", true),
+        ("#60=DEGENERATE_TOROIDAL_SURFACE('',#20,1.,2.,.T.);", "torus", true),
+        ("#60=SURFACE_OF_LINEAR_EXTRUSION('',#61,#32);#61=ELLIPSE('',#20,3.,2.);", "bspline", true),
+        (
+            "#60=SURFACE_OF_REVOLUTION('',#61,#34);#61=POLYLINE('',(#18,#62,#19));#62=CARTESIAN_POINT('',(3.,0.,1.));",
+            "bspline",
+            true,
+        ),
+    ];
+    for (text, kind, same_sense) in cases {
+        let model = model(&tube(text));
+        let face = model.faces.iter().next().unwrap_or_else(|| panic!("{text}: {:?}", model.diagnostics));
+        let surface = &model.surfaces[face.surface];
+        assert_eq!((surface.kind(), face.same_sense), (kind, same_sense), "{text}");
+    }
+}
+
+#[test]
+fn a_closed_edge_runs_all_around() {
+    let model = model(&tube("#60=CYLINDRICAL_SURFACE('',#20,2.);"));
+    for edge in model.edges.iter() {
+        assert!((edge.range[1] - edge.range[0] - std::f64::consts::TAU).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn pcurves_are_brought_to_our_parameters() {
+    let degrees = "#902=(CONVERSION_BASED_UNIT('DEGREE',#903) NAMED_UNIT($) PLANE_ANGLE_UNIT());\
+        #903=PLANE_ANGLE_MEASURE_WITH_UNIT(PLANE_ANGLE_MEASURE(0.0174532925199433),#904);\
+        #904=(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.));";
+    let data = tube("#60=CYLINDRICAL_SURFACE('',#20,2.);")
+        .replace("#13=EDGE_CURVE('',#15,#15,#17,.T.)", "#13=EDGE_CURVE('',#15,#15,#70,.T.)")
+        + "#70=SURFACE_CURVE('',#17,(#71),.PCURVE_S1.);#71=PCURVE('',#60,#72);#72=DEFINITIONAL_REPRESENTATION('',(#73),#900);\
+           #73=LINE('',#74,#75);#74=CARTESIAN_POINT('',(90.,3.));#75=VECTOR('',#76,1.);#76=DIRECTION('',(1.,0.));";
+    let text =
+        format!("ISO-10303-21;HEADER;ENDSEC;DATA;{degrees}{MILLIMETRES}{data}ENDSEC;END-ISO-10303-21;");
+    let model = read(text.as_bytes()).expect("the file has entities");
+    let edge = model.edges.iter().find(|e| e.entity == 13).expect("the edge is used");
+    let point = edge.pcurves[0].curve.point(1.0);
+    assert!(point.distance(DVec2::new(std::f64::consts::FRAC_PI_2 + 1.0, 3.0)) < 1e-9, "{point}");
+}
+
+#[test]
+fn poly_loops_share_edges() {
+    let model = model(
+        "#1=FACETED_BREP('',#3);#2=FACETED_BREP_SHAPE_REPRESENTATION('',(#1),#900);#3=CLOSED_SHELL('',(#4,#5));\
+         #4=FACE_SURFACE('',(#6),#8,.T.);#5=FACE('',(#7));#6=FACE_OUTER_BOUND('',#9,.T.);#7=FACE_OUTER_BOUND('',#10,.T.);\
+         #8=PLANE('',#11);#9=POLY_LOOP('',(#12,#13,#14));#10=POLY_LOOP('',(#13,#12,#15));#11=AXIS2_PLACEMENT_3D('',#12,$,$);\
+         #12=CARTESIAN_POINT('',(0.,0.,0.));#13=CARTESIAN_POINT('',(1.,0.,0.));#14=CARTESIAN_POINT('',(0.,1.,0.));\
+         #15=CARTESIAN_POINT('',(0.,0.,1.));",
+    );
+    assert_eq!((model.faces.len(), model.edges.len(), model.vertices.len()), (2, 5, 4));
+    let Surface::Plane { frame } = model.surfaces[model.faces.iter().nth(1).expect("two faces").surface]
+    else {
+        panic!("a plane")
+    };
+    assert!((frame.z.y.abs() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_edge_without_a_curve_is_straight() {
+    let model = model(&(cube("#900").replace("#70=LINE('',#10,#35);", "") + PRODUCT));
+    assert_eq!(model.faces.len(), 6);
+    assert!(model.diagnostics.iter().any(|d| d.severity == Severity::Warning && d.entity == 40));
+    assert!(model.edges.iter().all(|e| matches!(e.curve, Curve::Line { .. })));
+}
+
+#[test]
+fn rational_and_knotless_splines() {
+    let model = model(&tube(
+        "#60=(BOUNDED_SURFACE() B_SPLINE_SURFACE(1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.) \
+         B_SPLINE_SURFACE_WITH_KNOTS((2,2),(2,2),(0.,1.),(0.,2.),.UNSPECIFIED.) GEOMETRIC_REPRESENTATION_ITEM() \
+         RATIONAL_B_SPLINE_SURFACE(((1.,0.5),(1.,1.))) REPRESENTATION_ITEM('') SURFACE());",
+    ));
+    assert_eq!(model.faces.len(), 1);
+    let Surface::Bspline(surface) = &model.surfaces[model.faces.iter().next().expect("one").surface] else {
+        panic!("a spline")
+    };
+    assert_eq!(surface.points[1].w, 0.5);
+    let knotless = super::tests::model(&tube(
+        "#60=BEZIER_SURFACE('',1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.);",
+    ));
+    assert_eq!(knotless.faces.len(), 1);
+    let broken = super::tests::model(&tube(
+        "#60=B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.,(999999999,2),(2,2),(0.,1.),(0.,2.),.U.);",
+    ));
+    assert_eq!(broken.faces.len(), 0);
+}
+
+#[test]
+fn no_file_is_an_error_and_no_garbage_a_panic() {
+    assert!(matches!(read(b"solid"), Err(super::StepError::NotStep)));
+    assert!(matches!(read(b"ISO-10303-21;\nDATA;\nENDSEC;"), Err(super::StepError::Invalid { .. })));
+    let text = format!("ISO-10303-21;HEADER;ENDSEC;DATA;{}ENDSEC;", cube("#900") + PRODUCT + MILLIMETRES);
+    // Every cut, and every byte of a stretch replaced.
+    for at in (0..text.len()).step_by(7) {
+        if let Ok(model) = read(&text.as_bytes()[..at]) {
+            check(&model, "cut");
+        }
+        for byte in [b'#', b'\'', b';', b'(', b'$', b'9'] {
+            let mut bytes = text.as_bytes().to_vec();
+            bytes[at] = byte;
+            if let Ok(model) = read(&bytes) {
+                check(&model, "changed");
+            }
+        }
+    }
+}

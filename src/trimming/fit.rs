@@ -10,7 +10,7 @@
 
 use super::TrimError;
 use super::segment::{Segment, cubic, end, point_at, start, straight};
-use super::target::{Foot, Target};
+use super::target::{Foot, OFF_SURFACE, Target};
 use crate::geometry::{Curve, Homogeneous};
 use glam::{DVec2, DVec3};
 
@@ -91,9 +91,9 @@ impl Fitter<'_> {
         }
     }
 
-    fn at(&self, t: f64, seed: Option<DVec2>) -> Result<(Node, bool), TrimError> {
+    fn at(&self, t: f64, seed: Option<DVec2>, expected: f64) -> Result<(Node, bool), TrimError> {
         let [a, b] = self.piece.range;
-        let (foot, lost) = self.target.foot(self.piece.curve.point(t), seed, self.piece.entity)?;
+        let (foot, lost) = self.target.foot(self.piece.curve.point(t), seed, expected, self.piece.entity)?;
         // Tangents at the ends are those of the inside, as the curve may have a corner there.
         let inside = t + 1e-9 * (0.5 * (a + b) - t);
         let rate = self.rate(foot.uv, self.piece.curve.derivatives(inside).first);
@@ -121,7 +121,7 @@ impl Fitter<'_> {
     fn advance(&self, from: &Node, t: f64, depth: u32, out: &mut Vec<Node>) -> Result<bool, TrimError> {
         let predicted = from.uv + from.rate * (t - from.t);
         let seed = self.best_seed(t, &[from.uv, predicted]);
-        let (node, mut lost) = self.at(t, seed)?;
+        let (node, mut lost) = self.at(t, seed, from.distance)?;
         let far = (0..2).any(|axis| {
             self.target.periods[axis].is_some_and(|p| (node.uv[axis] - from.uv[axis]).abs() > 0.2 * p)
         });
@@ -152,7 +152,7 @@ impl Fitter<'_> {
         let mut nodes = Vec::new();
         // The second round starts where the first found that the seed led astray.
         for round in 0..2 {
-            let (node, _) = self.at(times[origin], seed)?;
+            let (node, _) = self.at(times[origin], seed, 0.0)?;
             let mut before = vec![node];
             for i in (first..origin).rev() {
                 let from = *before.last().expect("not empty");
@@ -187,12 +187,16 @@ impl Fitter<'_> {
         let singularity = &self.target.singularities[pole];
         let (fixed, free) = (singularity.axis, 1 - singularity.axis);
         let h = 0.01 * (inner.t - t);
-        let mut from = vec![*inner];
-        for part in [30.0, 10.0, 3.0, 2.0, 1.0] {
-            let last = *from.last().expect("not empty");
-            self.advance(&last, t + part * h, 4, &mut from)?;
+        // In steps that shrink, so that each seed is near.
+        let mut from = *inner;
+        let mut samples = [inner.uv; 5];
+        for (sample, part) in samples.iter_mut().zip([30.0, 10.0, 3.0, 2.0, 1.0]) {
+            let mut passed = Vec::new();
+            self.advance(&from, t + part * h, 4, &mut passed)?;
+            from = *passed.last().expect("advance appends a node");
+            *sample = from.uv;
         }
-        let [third, second, first] = [3, 2, 1].map(|back| from[from.len() - back].uv);
+        let [_, _, third, second, first] = samples;
         let mut uv = DVec2::ZERO;
         let mut rate = DVec2::ZERO;
         uv[free] = 3.0 * first[free] - 3.0 * second[free] + third[free];
@@ -228,8 +232,9 @@ impl Fitter<'_> {
             if near <= 0.5 * tolerance {
                 return Ok((false, worst));
             }
-            let (Foot { uv, distance: off }, _) = self.target.foot(point, Some(uv), self.piece.entity)?;
-            good &= self.target.surface.point(uv).distance(image) <= tolerance.max(0.02 * off);
+            let (Foot { uv, distance: off }, _) =
+                self.target.foot(point, Some(uv), near, self.piece.entity)?;
+            good &= self.target.surface.point(uv).distance(image) <= tolerance.max(0.02 * off.max(near));
             if !good {
                 break;
             }
@@ -241,7 +246,8 @@ impl Fitter<'_> {
         let segment = self.hermite(a, b);
         let (good, worst) = self.check(&segment, a, b)?;
         if good || depth == 0 || state.budget == 0 {
-            if !good && !(worst <= 1e-3 * self.target.size) {
+            let limit = OFF_SURFACE * self.target.size;
+            if !good && (worst > limit || !worst.is_finite()) {
                 return Err(TrimError::Numeric(format!(
                     "the image of edge #{} does not converge ({worst:.1e} mm off)",
                     self.piece.entity
@@ -254,7 +260,7 @@ impl Fitter<'_> {
         state.budget -= 1;
         let t = 0.5 * (a.t + b.t);
         let seed = self.best_seed(t, &[point_at(&segment, 0.5), 0.5 * (a.uv + b.uv), a.uv, b.uv]);
-        let (middle, _) = self.at(t, seed)?;
+        let (middle, _) = self.at(t, seed, a.distance.max(b.distance))?;
         self.refine(a, &middle, depth - 1, state)?;
         self.refine(&middle, b, depth - 1, state)
     }

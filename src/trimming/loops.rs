@@ -32,6 +32,9 @@ pub fn trim_face(model: &Model, face: Id<Face>, options: &TrimOptions) -> Result
     let size = bounds.diagonal();
     let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
     let target = Target::new(surface, options.relative_tolerance, size, magnitude);
+    let mut used: Vec<_> = loops.iter().copied().flatten().map(|coedge| coedge.edge).collect();
+    used.sort_unstable();
+    let seams = used.windows(2).any(|pair| pair[0] == pair[1]);
     let mut report = Report::default();
     let mut outlines = Vec::new();
     for coedges in loops {
@@ -46,7 +49,7 @@ pub fn trim_face(model: &Model, face: Id<Face>, options: &TrimOptions) -> Result
     }
     (0..2).for_each(|axis| align_constants(&mut outlines, &target, axis));
     let chains = outlines.into_iter().map(|outline| outline.welded(&target, &mut report.repairs)).collect();
-    region(&target, chains, face.same_sense, report)
+    region(&target, chains, face.same_sense, seams, report)
 }
 
 /// The box around the edges, sampled.

@@ -23,6 +23,8 @@ pub(super) struct Outline {
 pub(super) struct Chain {
     pub(super) segments: Vec<Segment>,
     pub(super) winding: [i32; 2],
+    /// Of how many edges it is made.
+    pub(super) edges: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -44,10 +46,10 @@ pub(super) fn outline(
     let first = trace(target, edges, left, None)?;
     let Some(outline) = first else { return Ok(None) };
     // Without a seed the first edge may have come out on the wrong side of a seam: then start from the loop's end.
-    let tail = outline.images.last().map(|image| end_of(image));
+    let tail = outline.images.last().map(end_of);
     let seam_jump = tail.is_some_and(|tail| outline.jumps(target, tail));
     if seam_jump && let Some(second) = trace(target, edges, left, tail)? {
-        let still = second.images.last().is_some_and(|image| second.jumps(target, end_of(image)));
+        let still = second.images.last().map(end_of).is_some_and(|tail| second.jumps(target, tail));
         if !still {
             return Ok(Some(second));
         }
@@ -156,16 +158,16 @@ impl Outline {
             }
             let fitting = self.joints.iter().position(|joint| match *joint {
                 Joint::Pole { pole, span } => {
-                    target.singularities[pole].axis != axis && (span + excess).abs() <= 1.000_001 * period
+                    target.singularities[pole].axis != axis && (span - excess).abs() <= 1.000_001 * period
                 }
                 Joint::Plain => false,
             });
             let Some(index) = fitting else { continue };
             if let Joint::Pole { span, .. } = &mut self.joints[index] {
-                *span += excess;
+                *span -= excess;
             }
             let mut offset = DVec2::ZERO;
-            offset[axis] = excess;
+            offset[axis] = -excess;
             self.images[index + 1..].iter_mut().for_each(|image| shift_image(image, offset));
             self.winding[axis] = 0;
         }
@@ -222,7 +224,7 @@ impl Outline {
             segments.extend(image.segments);
             segments.extend(connection);
         }
-        Chain { segments, winding: self.winding }
+        Chain { segments, winding: self.winding, edges: count }
     }
 }
 

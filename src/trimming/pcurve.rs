@@ -63,7 +63,7 @@ pub(super) fn edge_images(
     seed: Option<DVec2>,
 ) -> Result<Vec<EdgeImage>, TrimError> {
     let reach = edge.samples().map(|p| p.distance(edge.ends[0])).fold(0.0, f64::max);
-    if !(reach > target.tolerance) {
+    if reach <= target.tolerance {
         return Ok(Vec::new());
     }
     if let Surface::Plane { frame } = target.surface {

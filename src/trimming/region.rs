@@ -1,7 +1,7 @@
 //! From closed loops in the universal cover to the trimmed region in one window.
 //!
 //! Three cases. *Islands*: no loop goes round the surface; the largest loop sets the window. On a surface that is closed
-//! in itself the largest loop may be a hole, which its direction tells: then the whole surface is added. *Bands*: loops
+//! in itself the largest loop may be a hole: then the whole surface is added (see [`is_hole`]). *Bands*: loops
 //! go round; two of them bound a band, a single one closes against the pole, apex or domain edge on the side on which
 //! the face lies. *Windows*: no loops at all.
 
@@ -32,11 +32,13 @@ pub(super) fn whole_surface(surface: &Surface) -> Result<FaceTrim, TrimError> {
     Ok(FaceTrim { window, curves: Vec::new(), deviation: 0.0, repairs: Vec::new() })
 }
 
-/// The region bounded by `chains`; `left` tells whether the face lies left of them in the parameter plane.
+/// The region bounded by `chains`; `left` tells whether the face lies left of them in the parameter plane, `seams` whether
+/// an edge is used twice.
 pub(super) fn region(
     target: &Target,
     mut chains: Vec<Chain>,
     left: bool,
+    seams: bool,
     mut report: Report,
 ) -> Result<FaceTrim, TrimError> {
     let finite = |s: &Segment| s.points.iter().all(|p| p.is_finite());
@@ -60,7 +62,7 @@ pub(super) fn region(
         (true, true) => {
             return Err(TrimError::Numeric("the loops go round the surface both ways".into()));
         }
-        (false, false) => (island(target, &mut chains, left), [0, 1]),
+        (false, false) => (island(target, &mut chains, left, seams), [0, 1]),
         (along_u, _) => {
             let axis = usize::from(!along_u);
             (band(target, &mut chains, axis, left, &mut report)?, [axis, 1 - axis])
@@ -83,13 +85,13 @@ fn snap_distance(target: &Target, sets: &[Vec<Segment>], axis: usize, period: f6
 }
 
 /// No loop goes round: the window starts at the least parameters of the largest loop.
-fn island(target: &Target, chains: &mut Vec<Chain>, left: bool) -> DVec2 {
+fn island(target: &Target, chains: &mut Vec<Chain>, left: bool, seams: bool) -> DVec2 {
     let areas: Vec<f64> = chains.iter().map(|chain| signed_area(&chain.segments)).collect();
     let largest =
         (0..areas.len()).max_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs())).expect("there are loops");
     let [origin, _] = extent(&chains[largest].segments);
-    let is_hole = (areas[largest] > 0.0) != left;
-    if is_hole && is_closed_surface(target) {
+    let backwards = (areas[largest] > 0.0) != left;
+    if backwards && !seams && is_hole(&chains[largest]) && is_closed_surface(target) {
         let mut low = origin;
         let mut high = origin;
         for axis in 0..2 {
@@ -98,9 +100,20 @@ fn island(target: &Target, chains: &mut Vec<Chain>, left: bool) -> DVec2 {
                 None => (low[axis], high[axis]) = (target.domain.min[axis], target.domain.max[axis]),
             }
         }
-        chains.push(Chain { segments: rectangle(low, high), winding: [0; 2] });
+        chains.push(Chain { segments: rectangle(low, high), winding: [0; 2], edges: 0 });
     }
     origin
+}
+
+/// Whether a loop that runs clockwise around its inside is a hole in a closed surface, rather than an outer boundary with
+/// its direction wrong.
+///
+/// Open Cascade writes faces on left-handed surfaces with the direction of their loops wrong (tori and spheres of
+/// fillets, above all), but it never leaves an outer boundary out: its closed faces have seams. Kernels that do leave it out
+/// write directions correctly. So a hole is believed in faces without seams, and only where a hole looks like one: cut by
+/// one curve, or by two halves of one. Patches of fillets have three sides or more.
+fn is_hole(chain: &Chain) -> bool {
+    chain.edges <= 2
 }
 
 /// Whether the surface bounds a volume by itself: each parameter wraps or ends in poles.
@@ -165,7 +178,7 @@ fn band(
         let mut ends = [origin; 2];
         ends[1][axis] += period;
         ends.iter_mut().for_each(|p| p[across] = limit);
-        chains.push(Chain { segments: vec![straight(ends[0], ends[1])], winding: [0; 2] });
+        chains.push(Chain { segments: vec![straight(ends[0], ends[1])], winding: [0; 2], edges: 0 });
     }
     Ok(origin)
 }

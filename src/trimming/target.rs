@@ -4,9 +4,9 @@ use super::TrimError;
 use crate::geometry::{ParameterBox, Singularity, Surface, invert_surface};
 use glam::{DVec2, DVec3};
 
-/// An edge may lie off its surface by this share of the face's size. Real files are off by up to 1e-3 of it; an edge
-/// that is farther away belongs to another surface.
-const OFF_SURFACE: f64 = 1e-2;
+/// An edge may lie off its surface by this share of the face's size. Most files are off by less than 1e-3 of it, small
+/// faces of bad ones by up to 4e-2; an edge that is farther away belongs to another surface.
+pub(super) const OFF_SURFACE: f64 = 5e-2;
 
 /// A surface, its parameter plane, and the tolerances of one face.
 pub(super) struct Target<'a> {
@@ -78,16 +78,19 @@ impl<'a> Target<'a> {
     }
 
     /// The foot of `point`: near `seed` where that leads to one, else the globally closest, unwrapped towards `seed`.
-    /// The flag tells whether the seed was given up.
+    ///
+    /// A local foot much farther than `expected`, the distance of neighbouring points, is doubted. The flag tells
+    /// whether the seed was given up.
     pub(super) fn foot(
         &self,
         point: DVec3,
         seed: Option<DVec2>,
+        expected: f64,
         entity: u64,
     ) -> Result<(Foot, bool), TrimError> {
         let local = invert_surface(self.surface, point, seed);
         let usable = |uv: DVec2, distance: f64| uv.is_finite() && distance.is_finite();
-        let suspicious = 1e-4 * self.size + self.tolerance;
+        let suspicious = (1e-4 * self.size + self.tolerance).max(2.0 * expected);
         if usable(local.uv, local.distance) && (seed.is_none() || local.distance <= suspicious) {
             return self
                 .checked(Foot { uv: local.uv, distance: local.distance }, entity)

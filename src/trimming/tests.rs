@@ -104,7 +104,7 @@ fn inside(trim: &FaceTrim, periods: [Option<f64>; 2], mut uv: DVec2) -> bool {
 
 /// The area in space, by midpoints over the window.
 fn area(surface: &Surface, trim: &FaceTrim) -> f64 {
-    let count = 400;
+    let count = 200;
     let step = (trim.window.max - trim.window.min) / f64::from(count);
     let mut sum = 0.0;
     for i in 0..count {
@@ -272,13 +272,11 @@ fn helical_strip_of_three_turns() {
     let mut b = Builder::new(cylinder());
     let helix = |offset: f64| {
         let count = 160;
-        let points = (0..=count)
-            .map(|i| {
-                let t = 3.0 * TAU * f64::from(i) / f64::from(count);
-                DVec3::new(2.0 * t.cos(), 2.0 * t.sin(), t / TAU + offset)
-            })
-            .collect::<Vec<_>>();
-        points
+        let at = |i: i32| {
+            let t = 3.0 * TAU * f64::from(i) / f64::from(count);
+            DVec3::new(2.0 * t.cos(), 2.0 * t.sin(), t / TAU + offset)
+        };
+        (0..=count).map(at).collect::<Vec<DVec3>>()
     };
     let (low, high) = (helix(0.0), helix(0.5));
     let mut outline = low.clone();
@@ -331,8 +329,8 @@ fn hemisphere_with_a_seam_to_the_pole() {
 }
 
 #[test]
-fn octant_of_a_sphere_and_its_complement() {
-    for (reversed, expected) in [(false, 2.0 * PI), (true, 14.0 * PI)] {
+fn octant_of_a_sphere_whatever_its_direction() {
+    for (reversed, expected) in [(false, 2.0 * PI), (true, 2.0 * PI)] {
         let mut b = Builder::new(sphere());
         let rim = b.edge(circle_at(0.0, 2.0), [1.0, 1.0 + FRAC_PI_2]);
         let right = b.edge(meridian(1.0 + FRAC_PI_2, 2.0), [0.0, FRAC_PI_2]);
@@ -528,6 +526,47 @@ fn gaps_and_edges_without_length() {
     b.with_loop(&edges.map(|e| (e, false)));
     let trim = assert_area(b, 9.0);
     assert!(trim.repairs.iter().any(|r| r.contains("gap")), "{:?}", trim.repairs);
+}
+
+#[test]
+fn damage_is_an_error_or_a_region_and_never_a_panic() {
+    let mut state = 11u64;
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 33) as usize % below
+    };
+    let surfaces = [plane(), cylinder(), cone(), sphere(), torus(), tube()];
+    for round in 0..240 {
+        let mut b = Builder::new(surfaces[round % surfaces.len()].clone());
+        b.face.same_sense = random(2) == 0;
+        let curves = [
+            circle_at(0.0, 2.0),
+            circle_at(1.0, 2.0),
+            circle_at(0.0, 7.0),
+            meridian(0.0, 2.0),
+            meridian(1.0, 2.0),
+            oblique(),
+            tube_section(1.0),
+            Curve::Line { origin: DVec3::new(2.0, 0.0, 0.0), direction: DVec3::Z },
+            Curve::Line { origin: DVec3::NEG_Z, direction: DVec3::new(1.0, 0.0, 1.0) },
+        ];
+        let numbers = [0.0, 1.0, -FRAC_PI_2, FRAC_PI_2, TAU, 7.0, 1e-13, -1e9, 1e300, f64::NAN];
+        for _ in 0..1 + random(2) {
+            let mut edges = Vec::new();
+            for _ in 0..1 + random(4) {
+                let curve = curves[random(curves.len())].clone();
+                let usual = if random(4) == 0 { numbers.len() } else { 6 };
+                let range = [numbers[random(usual)], numbers[random(usual)]];
+                edges.push((b.edge(curve, range), random(2) == 0));
+            }
+            b.with_loop(&edges);
+        }
+        let surface = surfaces[round % surfaces.len()].clone();
+        if let Ok(trim) = b.trim() {
+            assert!(trim.window.min.is_finite() && trim.window.max.is_finite());
+            check_invariants(&surface, &trim);
+        }
+    }
 }
 
 #[test]

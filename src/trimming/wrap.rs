@@ -96,7 +96,7 @@ fn cut(mut segment: Segment, strip: &Strip, out: &mut Vec<Segment>) -> Result<()
     let axis = strip.axis;
     let (a, b) = (start(&segment), end(&segment));
     let (from, to) = (strip.snapped(a[axis]), strip.snapped(b[axis]));
-    if (strip.turns(to) - strip.turns(from)).abs() > MAX_TURNS {
+    if strip.turns(to).abs().max(strip.turns(from).abs()) > MAX_TURNS {
         return Err(TrimError::Numeric("a loop winds around the surface too often".into()));
     }
     set_start(&mut segment, with_axis(a, axis, from));

@@ -65,7 +65,7 @@ impl Outcome {
 }
 
 const RAYS: &str = "# from above, from the side, past it, from inside\n\n\
-    5 4 30 0 0 -1\n-20 2 3 5 0 0\n50 50 50 1 0 0\n5 5 5 1 1 0.25\n3 4 -7 0.1 0.2 3\n";
+    5 4 30 0 0 -1\n-20 2 3 5 0 0\n50 50 50 1 0 0\n5 5 5 1 0.5 0.25\n3 4 -7 0.1 0.2 3\n";
 
 #[test]
 fn help_shows_every_command_and_examples() {

@@ -2,7 +2,7 @@
 
 use super::super::bezier::Homogeneous;
 use super::super::bspline::BsplineSurface;
-use super::super::knots::KnotVector;
+use super::super::knots::{KnotVector, MANY};
 use super::super::surface::{ParameterBox, SurfaceDerivatives};
 use super::{Inversion, finished, unwrapped};
 use glam::{DVec2, DVec3};
@@ -98,12 +98,12 @@ impl Grid {
     fn new(surface: &BsplineSurface, point: DVec3) -> Self {
         let (u, v) = (samples(&surface.u_knots), samples(&surface.v_knots));
         let (p, v_count) = (surface.u_knots.degree(), surface.v_knots.point_count());
-        let v_bases: Vec<_> = v.iter().map(|v| surface.v_knots.basis(*v, 0)).collect();
+        let v_bases: Vec<_> = v.iter().map(|v| surface.v_knots.basis::<MANY>(*v, 0)).collect();
         let mut squared = Vec::with_capacity(u.len() * v.len());
         let mut row = vec![Default::default(); v_count];
         for u in &u {
             // The control points of the iso-curve serve all samples on it.
-            let basis = surface.u_knots.basis(*u, 0);
+            let basis = surface.u_knots.basis::<MANY>(*u, 0);
             for (j, sum) in row.iter_mut().enumerate() {
                 let term = |i: usize| surface.points[(basis.first + i) * v_count + j] * basis.values[0][i];
                 *sum = (1..=p).map(term).fold(term(0), |sum, term| sum + term);
@@ -228,6 +228,8 @@ fn newton_step(here: &SurfaceDerivatives, off: DVec3, lengths: DVec2, held: [boo
         off.dot(here.duv) * lengths.x * lengths.y,
         off.dot(here.dvv) * lengths.y * lengths.y,
     ];
+    // At a pole one parameter moves nothing: its step would be rounding noise, so it keeps its value.
+    let held = [held[0] || gauss[0] <= 1e-24 * gauss[2], held[1] || gauss[2] <= 1e-24 * gauss[0]];
     let full: [f64; 3] = std::array::from_fn(|i| gauss[i] + bends[i]);
     let scaled = match held {
         [true, true] => DVec2::ZERO,

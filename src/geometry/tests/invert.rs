@@ -1,4 +1,5 @@
 use super::samples;
+use crate::geometry::to_bspline::{curve_to_bspline, revolve};
 use crate::geometry::{Curve, Frame, ParameterBox, Surface, invert_curve, invert_surface};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -209,4 +210,27 @@ fn moved_surfaces_and_curves_go_through_moved_points() {
         }
         Ok(())
     });
+}
+
+#[test]
+fn collapsed_sides_of_bsplines_are_found_and_inverted() {
+    let meridian = Curve::Circle {
+        frame: Frame { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Z, z: -DVec3::Y },
+        radius: 2.0,
+    };
+    let profile = curve_to_bspline(&meridian, [-FRAC_PI_2, FRAC_PI_2]);
+    let sphere = Surface::Bspline(revolve(&profile, &Frame::IDENTITY));
+    let poles = sphere.singularities();
+    assert_eq!(poles.len(), 2);
+    assert!(poles.iter().all(|pole| pole.axis == 1 && (pole.point.z.abs() - 2.0).abs() < 1e-14));
+    let found = invert_surface(&sphere, poles[1].point, Some(DVec2::new(2.5, 1.0)));
+    assert!(found.distance < 1e-7 && (found.uv.x - 2.5).abs() < 1e-3, "{found:?}");
+    for (u, v) in [(0.0_f64, 0.3_f64), (6.2, -1.5), (3.0, 1.57), (4.0, 0.0), (1.0, -1.5707)] {
+        let point = DVec3::new(v.cos() * u.cos(), v.cos() * u.sin(), v.sin()) * 2.0;
+        assert!(invert_surface(&sphere, point, None).distance < 1e-12, "{u} {v}");
+        let seed = invert_surface(&sphere, point, None);
+        // Across the seam the parameter runs on.
+        let turned = invert_surface(&sphere, point, Some(seed.uv + DVec2::X * TAU));
+        assert!(turned.distance < 1e-12 && (turned.uv.x - seed.uv.x - TAU).abs() < 1e-4);
+    }
 }

@@ -200,7 +200,7 @@ pub fn to_window<T: Real>(parameter: T, low: T, scale: T, period: T) -> (T, bool
     if period > T::ZERO {
         p = p - (p / period).floor() * period;
         if p > period - tolerance && p > T::ONE {
-            p = p - period;
+            p -= period;
         }
     }
     let inside = p >= -tolerance && p <= T::ONE + tolerance;

@@ -5,11 +5,11 @@ use crate::numeric::Real;
 /// One more than the highest degree of a net.
 pub const MAX_ORDER: usize = 26;
 
-/// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high degrees.
+/// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
 #[inline]
-pub fn basis_and_slopes<T: Real>(degree: usize, t: T) -> ([T; MAX_ORDER], [T; MAX_ORDER]) {
-    let mut basis = [T::ZERO; MAX_ORDER];
-    let mut slopes = [T::ZERO; MAX_ORDER];
+pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
+    let mut basis = [T::ZERO; ORDER];
+    let mut slopes = [T::ZERO; ORDER];
     let s = T::ONE - t;
     basis[0] = T::ONE;
     for n in 1..degree {

@@ -3,6 +3,11 @@
 //! Data-oriented on purpose: ids and slices in, plain structs out, no recursion, no allocation per ray, stacks of fixed size. A function
 //! here and the WGSL function of the same name are one algorithm in two texts.
 
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "negated on purpose: a comparison with what is not a number takes the safe way"
+)]
+
 mod analytic;
 mod bernstein;
 pub(super) mod bvh;

@@ -11,6 +11,7 @@
 //! **Newton.** Two planes contain the ray (Kajiya 1982), sheared along the direction's greatest component (Woop, Benthin and Wald 2013); their
 //! equations are put to the homogeneous numerators, which are polynomials also where the net is rational.
 
+use super::bernstein::MAX_ORDER;
 use super::ray_space::PrimitiveRay;
 use super::vector::{Vector3, number, vec3};
 use super::{Kernel, bernstein};
@@ -325,8 +326,24 @@ fn add_root<T: Real>(roots: &mut NetRoots<T>, root: NetRoot<T>, domain: &Domain<
 #[inline]
 fn plane_values<T: Kernel>(scene: &Scene<'_>, net: &Net, planes: &RayPlanes<T>, uv: [T; 2]) -> [[T; 2]; 3] {
     let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, slope_u) = bernstein::basis_and_slopes(degree_u, uv[0]);
-    let (basis_v, slope_v) = bernstein::basis_and_slopes(degree_v, uv[1]);
+    match degree_u.max(degree_v) {
+        0..=3 => plane_values_within::<T, 4>(scene, net, planes, uv),
+        4..=7 => plane_values_within::<T, 8>(scene, net, planes, uv),
+        _ => plane_values_within::<T, MAX_ORDER>(scene, net, planes, uv),
+    }
+}
+
+/// [`plane_values`] of a net whose degrees are below `ORDER`.
+#[inline(always)]
+fn plane_values_within<T: Kernel, const ORDER: usize>(
+    scene: &Scene<'_>,
+    net: &Net,
+    planes: &RayPlanes<T>,
+    uv: [T; 2],
+) -> [[T; 2]; 3] {
+    let (degree_u, degree_v) = net_degrees(net);
+    let (basis_u, slope_u) = bernstein::basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
+    let (basis_v, slope_v) = bernstein::basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
     let [first, second] = planes.minor;
     let zero = T::ZERO;
     let (mut f, mut f_u, mut f_v) = ([zero; 2], [zero; 2], [zero; 2]);
@@ -358,8 +375,8 @@ pub fn net_degrees(net: &Net) -> (usize, usize) {
 #[inline]
 pub fn net_position<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector3<T> {
     let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, _) = bernstein::basis_and_slopes(degree_u, uv[0]);
-    let (basis_v, _) = bernstein::basis_and_slopes(degree_v, uv[1]);
+    let (basis_u, _) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_u, uv[0]);
+    let (basis_v, _) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_v, uv[1]);
     let mut sum = [T::ZERO; 4];
     let mut index = net.first_point as usize;
     for i in 0..=degree_u {
@@ -399,8 +416,8 @@ pub fn net_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector
 /// S_u and S_v of the net by the quotient rule, each times the weight.
 fn net_tangents<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> [Vector3<T>; 2] {
     let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, slope_u) = bernstein::basis_and_slopes(degree_u, uv[0]);
-    let (basis_v, slope_v) = bernstein::basis_and_slopes(degree_v, uv[1]);
+    let (basis_u, slope_u) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_u, uv[0]);
+    let (basis_v, slope_v) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_v, uv[1]);
     let (mut sum, mut sum_u, mut sum_v) = ([T::ZERO; 4], [T::ZERO; 4], [T::ZERO; 4]);
     let mut index = net.first_point as usize;
     for i in 0..=degree_u {

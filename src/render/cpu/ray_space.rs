@@ -47,7 +47,7 @@ impl<T: Real> Distance<T> {
     }
     /// `self − anchor`.
     #[inline(always)]
-    pub fn from_anchor(self, anchor: T) -> T {
+    pub fn beyond(self, anchor: T) -> T {
         (self.anchor - anchor) + self.offset
     }
     /// The sum.

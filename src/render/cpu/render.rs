@@ -54,6 +54,7 @@ pub fn render(
         film.part[range.clone()].copy_from_slice(&row.part);
         film.face[range].copy_from_slice(&row.face);
     }
+    options.background.put_behind(&mut film);
     film
 }
 

@@ -168,7 +168,7 @@ fn openness(
     let near = Distance { anchor: 0.0, offset: 0.0 };
     let far = Distance { anchor: 0.0, offset: radius };
     let blocked = match first_hit_before(scene, &probe, near, far) {
-        Some(blocker) => 1.0 - (blocker.distance.from_anchor(0.0) / radius).clamp(0.0, 1.0),
+        Some(blocker) => 1.0 - (blocker.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
         None => 0.0,
     };
     1.0 - blocked * blocked

@@ -1,6 +1,6 @@
 //! Small scenes made by hand: one part of analytic faces and nets, placed any number of times.
 
-use super::bernstein::basis_and_slopes;
+use super::bernstein::{MAX_ORDER, basis_and_slopes};
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, pack};
 use crate::scene::*;
@@ -32,8 +32,8 @@ pub struct TestNet {
 
 impl TestNet {
     pub fn homogeneous(&self, uv: [f64; 2], order: [bool; 2]) -> [f64; 4] {
-        let (b_u, s_u) = basis_and_slopes::<f64>(self.degrees[0], uv[0]);
-        let (b_v, s_v) = basis_and_slopes::<f64>(self.degrees[1], uv[1]);
+        let (b_u, s_u) = basis_and_slopes::<f64, MAX_ORDER>(self.degrees[0], uv[0]);
+        let (b_v, s_v) = basis_and_slopes::<f64, MAX_ORDER>(self.degrees[1], uv[1]);
         let (u, v) = (if order[0] { s_u } else { b_u }, if order[1] { s_v } else { b_v });
         let mut sum = [0.0; 4];
         for i in 0..=self.degrees[0] {
@@ -202,7 +202,7 @@ fn add_part(scene: &mut SceneBuffers, faces: &[TestFace], center: DVec3, step: f
     let (mut boxes, mut words) = (Vec::new(), Vec::new());
     for (index, face) in faces.iter().enumerate() {
         if let Some(net) = &face.net {
-            add_net(scene, net, index as u32, center, step);
+            add_net(scene, net, index as u32, center);
             let count = 1 << net.level;
             for leaf in 0..count * count {
                 let at = |i: usize| i as f64 / count as f64;
@@ -267,7 +267,7 @@ fn add_face(scene: &mut SceneBuffers, face: &TestFace, center: DVec3, step: f64)
     scene.metadata.faces.push(FaceInfo { entity: 0, uv_low: face.low, uv_size: size });
 }
 
-fn add_net(scene: &mut SceneBuffers, net: &TestNet, face: u32, center: DVec3, step: f64) {
+fn add_net(scene: &mut SceneBuffers, net: &TestNet, face: u32, center: DVec3) {
     let index = scene.nets.len() as u32;
     scene.nets.push(Net {
         first_point: scene.net_points.len() as u32,
@@ -281,7 +281,6 @@ fn add_net(scene: &mut SceneBuffers, net: &TestNet, face: u32, center: DVec3, st
         let w = p[3];
         [p[0] - center.x * w, p[1] - center.y * w, p[2] - center.z * w, w]
     };
-    let _ = step;
     scene.net_points_f64.extend(net.points.iter().map(moved));
     scene.net_points.extend(net.points.iter().map(|p| moved(p).map(|x| x as f32)));
     let count = 1_u32 << net.level;

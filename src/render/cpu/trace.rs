@@ -75,7 +75,7 @@ pub fn trace<T: Kernel>(
     let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
     let mut instances = start_walk(scene.header.first_node, scene.header.node_count, 0);
     loop {
-        let (from, to) = (near.from_anchor(T::ZERO), far.from_anchor(T::ZERO));
+        let (from, to) = (near.beyond(T::ZERO), far.beyond(T::ZERO));
         let Some(instance) = next_primitive(&mut instances, scene, &top, from, to) else {
             return;
         };
@@ -103,7 +103,7 @@ fn trace_part<T: Kernel>(
     let boxes = bvh_ray(ray.near_origin, ray.direction);
     let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
     loop {
-        let (from, to) = (near.from_anchor(ray.near_anchor), far.from_anchor(ray.near_anchor));
+        let (from, to) = (near.beyond(ray.near_anchor), far.beyond(ray.near_anchor));
         let Some(word) = next_primitive(&mut primitives, scene, &boxes, from, to) else {
             return Some(far);
         };
@@ -162,7 +162,7 @@ fn trace_leaf<T: Kernel>(
     let face = &scene.faces[net.face as usize];
     let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
-    let (from, to) = (near.from_anchor(ray.anchor), far.from_anchor(ray.anchor));
+    let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
     let roots = leaf_roots(scene, leaf, net, &ray, from, to);
     for i in 0..roots.count {
         let root = roots.root[i];

@@ -32,7 +32,7 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
                     size[axis] = split - low[axis];
                     node += if far { 2 } else { 1 };
                 } else {
-                    size[axis] = size[axis] - (split - low[axis]);
+                    size[axis] -= split - low[axis];
                     low[axis] = split;
                     node += if far { scene.trim_nodes[node + 1] } else { right } as usize;
                 }
@@ -142,4 +142,79 @@ pub fn curve_point<T: Real>(scene: &Scene<'_>, first: u32, degree: u32, t: T) ->
     let p = point(degree);
     let weight = sum[2] + p[2] * power;
     [(sum[0] + p[0] * power) / weight, (sum[1] + p[1] * power) / weight]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuffers;
+    use crate::scene::trim_node::pack;
+    use std::f32::consts::FRAC_1_SQRT_2;
+
+    const CENTER: f32 = 0.5;
+    const RADIUS: f32 = 0.4;
+
+    /// The four quarters of a circle, right upper first, counter-clockwise.
+    fn quarters(scene: &mut SceneBuffers) -> Vec<TrimSegment> {
+        let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0_f32)];
+        let place = |(x, y): (f32, f32)| [CENTER + RADIUS * x, CENTER + RADIUS * y];
+        (0..4)
+            .map(|i| {
+                let (from, to) = (corners[i], corners[i + 1]);
+                let curve = scene.trim_points.len() as u32;
+                let [start, end] = [place(from), place(to)];
+                let middle = place((from.0 + to.0, from.1 + to.1)).map(|x| x * FRAC_1_SQRT_2);
+                scene.trim_points.push([start[0], start[1], 1.0]);
+                scene.trim_points.push([middle[0], middle[1], FRAC_1_SQRT_2]);
+                scene.trim_points.push([end[0], end[1], 1.0]);
+                let rising = start[1] < end[1];
+                let (low, high) = if rising { (start, end) } else { (end, start) };
+                let (t_low, t_high) = if rising { (0.0, 1.0) } else { (1.0, 0.0) };
+                TrimSegment { low, high, t_low, t_high, curve, flags: 2 }
+            })
+            .collect()
+    }
+
+    fn assert_is_the_disc(scene: &SceneBuffers, root: u32) {
+        let scene = scene.scene();
+        for i in 0..200 {
+            for j in 0..200 {
+                let uv = [(f64::from(i) + 0.31) / 200.0, (f64::from(j) + 0.77) / 200.0];
+                let center = f64::from(CENTER);
+                let gap = (uv[0] - center).hypot(uv[1] - center) - f64::from(RADIUS);
+                assert_eq!(trim_inside(&scene, root, uv), gap < 0.0, "{uv:?}");
+                if gap.abs() > 1e-5 {
+                    assert_eq!(trim_inside(&scene, root, uv.map(|x| x as f32)), gap < 0.0, "{uv:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_cell_holds_a_circle() {
+        let mut scene = SceneBuffers::default();
+        scene.trim_segments = quarters(&mut scene);
+        scene.trim_nodes = vec![0, pack(TrimNode::Leaf { inside: false, count: 4, first: 0 })];
+        assert_is_the_disc(&scene, 1);
+    }
+
+    #[test]
+    fn cells_see_what_leaves_through_their_left_edge() {
+        let mut scene = SceneBuffers::default();
+        let mut segments = quarters(&mut scene);
+        // Right of u = ½: the upper quarter ends on the left edge at its top, the lower one starts there.
+        segments[0].flags |= TrimSegment::HIGH_ON_LEFT_EDGE;
+        segments[3].flags |= TrimSegment::LOW_ON_LEFT_EDGE;
+        scene.trim_segments = vec![segments[1], segments[2], segments[0], segments[3]];
+        // The far form of the distance, and the long form of the count.
+        scene.trim_nodes = vec![
+            0,
+            pack(TrimNode::Inner { axis: 0, plane: 1 << 13, right: FAR }),
+            4,
+            pack(TrimNode::Leaf { inside: false, count: MANY, first: 0 }),
+            2,
+            pack(TrimNode::Leaf { inside: false, count: 2, first: 2 }),
+        ];
+        assert_is_the_disc(&scene, 1);
+    }
 }
