@@ -132,7 +132,7 @@ fn bvh_node_agrees() {
 fn kernels_validate() {
     for entry in Entry::ALL {
         for specialisation in &SPECIALISATIONS {
-            let text = counting_source(entry, specialisation);
+            let text = counting_source(entry, specialisation, 1);
             naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
             let module = parse(entry, specialisation);

@@ -1,8 +1,7 @@
 // The arrays of a scene, in the order of SCENE_BINDINGS in render/gpu/buffers.rs.
 
-// Turns of all loops so far, counted on software devices alone (render/gpu/kernels.rs says why), and how many are safe.
+// Turns of all loops so far, counted on software devices alone; render/gpu/kernels.rs says why.
 var<private> turns: u32;
-const MOST_TURNS: u32 = 65000u;
 
 @group(0) @binding(0) var<storage, read> bvh_nodes: array<BvhNode>;
 @group(0) @binding(1) var<storage, read> primitives: array<u32>;
