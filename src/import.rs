@@ -1,7 +1,7 @@
 //! Which reader a file needs, and its call.
 
 use crate::brep::Model;
-use crate::step;
+use crate::{iges, step};
 use std::path::Path;
 
 /// Why a file cannot be imported.
@@ -31,7 +31,16 @@ pub enum ImportError {
         path: std::path::PathBuf,
         /// Why.
         #[source]
-        source: crate::step::StepError,
+        source: step::StepError,
+    },
+    /// The IGES reader refuses it.
+    #[error("{path}: {source}")]
+    Iges {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        #[source]
+        source: iges::IgesError,
     },
 }
 
@@ -54,7 +63,9 @@ pub fn import(path: &Path) -> Result<Model, ImportError> {
         Format::Step => {
             step::read(&bytes).map_err(|source| ImportError::Step { path: path.to_owned(), source })
         }
-        Format::Iges => unsupported("IGES import comes with a later version"),
+        Format::Iges => {
+            iges::read(&bytes).map_err(|source| ImportError::Iges { path: path.to_owned(), source })
+        }
         Format::Gzip => unsupported("the file is compressed with gzip; unpack it first"),
         Format::Zip => unsupported("the file is a zip archive; unpack it first"),
         Format::Unknown => unsupported("neither STEP nor IGES: it begins as neither"),
@@ -68,20 +79,11 @@ fn sniff(bytes: &[u8]) -> Format {
         Format::Gzip
     } else if bytes.starts_with(b"PK\x03\x04") {
         Format::Zip
-    } else if is_iges(bytes) {
+    } else if iges::looks_like_iges(bytes) {
         Format::Iges
     } else {
         Format::Unknown
     }
-}
-
-/// IGES 5.3, 2.2: lines of 80 columns, the section's letter in column 73, the line's number in 74 to 80; the first section is S.
-fn is_iges(bytes: &[u8]) -> bool {
-    bytes.get(72..80).is_some_and(|columns| {
-        matches!(columns[0], b'S' | b's')
-            && columns[1..7].iter().all(|c| matches!(c, b' ' | b'0'))
-            && columns[7] == b'1'
-    })
 }
 
 #[cfg(test)]

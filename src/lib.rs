@@ -1,10 +1,10 @@
-//! trimray reads trimmed B-rep models from STEP, bakes them into one memory-mappable file and ray traces
+//! trimray reads trimmed B-rep models from STEP and IGES, bakes them into one memory-mappable file and ray traces
 //! the exact surfaces, on the GPU and on the CPU. Nothing is tessellated anywhere.
 //!
 //! # Bird's eye
 //!
 //! ```text
-//! bytes ─step→ brep::Model ─trimming, bake→ scene::Scene ─cache→ file ─mmap→ scene::Scene ─render→ image::Film → exr, png
+//! bytes ─step, iges→ brep::Model ─trimming, bake→ scene::Scene ─cache→ file ─mmap→ scene::Scene ─render→ image::Film → exr, png
 //!              f64, exact                   Pod arrays, f32 (+ f64 on request)
 //! ```
 //!
@@ -14,13 +14,13 @@
 //!
 //! # The chain
 //!
-//! Imports go one way: `numeric ◀ geometry ◀ brep ◀ step ◀ import`, `brep ◀ trimming`, `numeric ◀ scene ◀ cache`,
+//! Imports go one way: `numeric ◀ geometry ◀ brep ◀ {step, iges} ◀ import`, `brep ◀ trimming`, `numeric ◀ scene ◀ cache`,
 //! `brep, trimming, scene ◀ bake`, `numeric ◀ image`, `scene, image ◀ render`, everything `◀ cli ◀ main`.
 //! `tests/architecture.rs` holds it.
 //!
 //! # Invariants
 //!
-//! * Nothing to the right of [`scene::Scene`] knows a knot vector; nothing to the right of [`brep::Model`] knows STEP.
+//! * Nothing to the right of [`scene::Scene`] knows a knot vector; nothing to the right of [`brep::Model`] knows STEP or IGES.
 //! * Only `cli`, `cache`, `image` and `import` touch files. Only `render::gpu` names wgpu.
 //! * No input can panic the importer: a broken statement costs itself, a broken face costs itself, and both are in
 //!   the diagnostics.
@@ -32,6 +32,7 @@ pub mod brep;
 pub mod cache;
 pub mod cli;
 pub mod geometry;
+pub mod iges;
 pub mod image;
 pub mod import;
 pub mod numeric;

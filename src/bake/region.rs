@@ -7,8 +7,8 @@ use crate::geometry::{Bezier, Homogeneous, Homogeneous2};
 use crate::trimming::FaceTrim;
 use glam::DVec2;
 
-/// Ends nearer than this in normalised parameters are one vertex: a few f32 roundings of numbers up to 1.
-const SAME_VERTEX: f32 = 4.0 * f32::EPSILON;
+/// A region with more loose ends than this is no set of loops; closing takes their square in time.
+const MAX_OPEN_VERTICES: usize = 1024;
 
 /// Control points nearer than this to their chord make a straight line: below half the spacing of f32 numbers near 1.
 const STRAIGHT: f64 = 2.5e-8;
@@ -98,7 +98,7 @@ impl Region {
             }
             ends.push([vertex(curve.points[0]), vertex(curve.points[degree])]);
         }
-        let links = close_chains(&mut ends);
+        let links = closing_links(&ends)?;
         let mut pieces = Vec::with_capacity(ends.len() + links.len());
         for (index, curve) in curves.iter().enumerate() {
             let curve_index = (!is_straight(curve)).then_some(index as u32);
@@ -207,28 +207,22 @@ fn is_straight(curve: &Bezier<Homogeneous2>) -> bool {
     curve.points.iter().all(|p| direction.perp_dot(p.point() - first).abs() <= STRAIGHT)
 }
 
-/// Makes consecutive ends equal where they are nearly so; returns the straight links that close what stays open.
-fn close_chains(ends: &mut [[[f32; 2]; 2]]) -> Vec<[[f32; 2]; 2]> {
-    let near =
-        |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs() <= SAME_VERTEX && (a[1] - b[1]).abs() <= SAME_VERTEX;
-    let mut links = Vec::new();
-    let mut chain_start = 0;
-    for index in 0..ends.len() {
-        let end = ends[index][1];
-        let start = ends[chain_start][0];
-        let next = ends.get(index + 1).map(|e| e[0]);
-        match next {
-            // The chain goes on, unless it closes here and the next one begins at the same vertex.
-            Some(next) if near(next, end) && !near(end, start) => ends[index + 1][0] = end,
-            _ => {
-                if near(end, start) {
-                    ends[index][1] = start;
-                } else {
-                    links.push([end, start]);
-                }
-                chain_start = index + 1;
-            }
-        }
+/// Straight links that close what stays open: loops are closed where every vertex is the end of an even number of curves, in whatever order and
+/// direction the curves come. Trimming closes its loops bit for bit in f64, so there is nothing to do but for curves that lie almost outside the window.
+fn closing_links(ends: &[[[f32; 2]; 2]]) -> Result<Vec<[[f32; 2]; 2]>, String> {
+    let mut vertices: Vec<[f32; 2]> = ends.iter().flatten().copied().collect();
+    vertices.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mut open: Vec<[f32; 2]> =
+        vertices.chunk_by(|a, b| a == b).filter(|same| same.len() % 2 == 1).map(|same| same[0]).collect();
+    if open.len() > MAX_OPEN_VERTICES {
+        return Err(format!("its trim curves have {} loose ends", open.len()));
     }
-    links
+    let mut links = Vec::with_capacity(open.len() / 2);
+    while let Some(from) = open.pop() {
+        let distance = |p: &[f32; 2]| (p[0] - from[0]).hypot(p[1] - from[1]);
+        let nearest = (0..open.len()).min_by(|&a, &b| distance(&open[a]).total_cmp(&distance(&open[b])));
+        let nearest = nearest.expect("the ends of curves are even in number, so the odd vertices are too");
+        links.push([from, open.swap_remove(nearest)]);
+    }
+    Ok(links)
 }

@@ -46,8 +46,8 @@ pub struct FaceTrim {
     /// start in the surface's own domain: parameters are wrapped into it.
     pub window: ParameterBox,
     /// Closed loops of bi-monotone rational curves, in surface parameters: a point is inside where a ray from it crosses an odd number of
-    /// them. Empty: the whole window is inside. Each curve has `v` not decreasing or not increasing over all of it, and `u` too;
-    /// consecutive curves of a loop share their end points bit for bit.
+    /// them. Empty: the whole window is inside. Each curve has `v` not decreasing or not increasing over all of it, and `u` too. The curves
+    /// come in any order and direction, but each end point is shared bit for bit by an even number of them.
     pub curves: Vec<Bezier<Homogeneous2>>,
     /// The greatest distance found between an edge and its image, millimetres.
     pub deviation: f64,

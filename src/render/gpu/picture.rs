@@ -83,6 +83,7 @@ impl Gpu {
         let mut film = Film::new(width as usize, height as usize);
         let Some((eye_distance, placed)) = place_camera(camera, options.resolution, scene.scene.header)
         else {
+            options.background.put_behind(&mut film);
             return Ok(film);
         };
         let samples = options.samples.max(1);
@@ -120,6 +121,7 @@ impl Gpu {
                 }
             }
         }
+        options.background.put_behind(&mut film);
         Ok(film)
     }
 

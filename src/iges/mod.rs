@@ -1,0 +1,92 @@
+//! IGES 4.0 to 5.3: trimmed surfaces, boundary representations, and surfaces that stand alone.
+//!
+//! ```text
+//! bytes ─card→ records ─global, directory→ directory ─assembly→ what stands where ─solid, trimmed→ brep::Model
+//!                          └─ value: parameters of one entity, decoded whenever the mapping reaches it
+//! ```
+//!
+//! Entities are named by their directory numbers, kinds by their type numbers. A broken entity costs itself and the faces
+//! that need it. Invariant: faces imported plus faces in the diagnostics are the faces declared, and declared is every
+//! 144, 143 and 510 and every bounded surface that nothing else uses.
+
+mod assembly;
+mod boundary;
+mod card;
+mod compressed;
+mod conic;
+mod curve;
+mod directory;
+mod global;
+mod lifted;
+mod placement;
+mod reader;
+mod recognise;
+mod solid;
+mod spans;
+mod style;
+mod surface;
+mod swept;
+mod trimmed;
+mod value;
+
+#[cfg(test)]
+mod corpus_tests;
+#[cfg(test)]
+mod tests;
+
+use crate::brep::{Model, Severity};
+use directory::{Directory, Problem};
+use reader::Reader;
+
+pub use card::looks_like_iges;
+
+/// Reads an IGES file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there are no
+/// records, no entities, or the binary form.
+pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
+    if !looks_like_iges(bytes) {
+        return Err(IgesError::NotIges);
+    }
+    let cards = card::read(bytes);
+    if cards.binary {
+        return Err(IgesError::Binary);
+    }
+    let global = global::read(&cards.global);
+    let file = Directory::new(&cards, global.delimiters);
+    if file.len() == 0 {
+        return Err(IgesError::Empty);
+    }
+    let mut reader = Reader::new(file, global.millimetres, global.resolution);
+    reader.model.source = global.source;
+    let mut remarks = global.findings;
+    if cards.strange > 0 {
+        remarks.push(format!("{} records belong to no section", cards.strange));
+    }
+    if !cards.terminated {
+        remarks.push("the file ends without a terminate record".into());
+    }
+    if cards.directory.len() % 2 == 1 {
+        remarks.push("the last directory entry is incomplete".into());
+    }
+    for reason in remarks {
+        reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
+    }
+    let catalog = assembly::catalog(&mut reader);
+    reader.model.declared_faces = catalog.faces.len();
+    reader.open_faces = catalog.faces.iter().copied().collect();
+    assembly::map(&mut reader, &catalog, global.product);
+    Ok(reader.model)
+}
+
+/// Why a file is no IGES file that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum IgesError {
+    /// It does not begin as one.
+    #[error("not an IGES file: no start or global section")]
+    NotIges,
+    /// It is in the binary form, which went out of use in the 1980s.
+    #[error("binary IGES is not supported; export the ASCII form")]
+    Binary,
+    /// There is nothing in it.
+    #[error("the file has no entities")]
+    Empty,
+}

@@ -1,0 +1,231 @@
+//! Faces without topology: trimmed surfaces (144 with 142), bounded surfaces (143 with 141), and surfaces that stand alone.
+
+use super::boundary::{Bound, trim_loop};
+use super::curve::{self, Piece};
+use super::directory::{Mapped, Problem};
+use super::lifted;
+use super::placement;
+use super::reader::{Form, Reader, SurfaceUse};
+use super::style;
+use crate::brep::{Color, Face, Id, Severity, TrimLoop};
+use crate::geometry::invert_surface;
+use crate::numeric::Aabb;
+use glam::{DAffine3, DVec3};
+
+/// A curve farther than this share of its loop's size from its surface belongs to another one.
+const OFF_SURFACE: f64 = 1e-2;
+
+/// How many curves of a loop are compared with what they should lie on.
+const MOST_COMPARED: usize = 8;
+
+impl Reader<'_> {
+    /// The face of a 144, a 143 or a surface that stands alone.
+    pub fn loose_face(&mut self, entity: u32, inherited: Option<Color>) -> Mapped<Id<Face>> {
+        let mut face = match self.entry(entity).kind {
+            144 => self.trimmed(entity),
+            143 => self.bounded(entity),
+            _ => self.bare(entity),
+        }?;
+        face.color = style::color(&self.file, entity).or(inherited);
+        Ok(self.model.faces.push(face))
+    }
+
+    fn new_face(&self, entity: u32, used: &SurfaceUse, loops: Vec<TrimLoop>) -> Face {
+        let same_sense = !used.flipped;
+        let entity = entity.into();
+        Face { surface: used.id, same_sense, loops, color: None, name: String::new(), entity }
+    }
+
+    /// Entity 144: surface, whether it has an outer boundary, how many inner ones, the outer one, the inner ones.
+    fn trimmed(&mut self, entity: u32) -> Mapped<Face> {
+        let parameters = self.file.parameters(entity)?;
+        let place = placement::of(&self.file, entity, &self.unit)?;
+        let surface = parameters.reference(1)?;
+        let outer = if parameters.integer(2)? == 0 { 0 } else { parameters.pointer(4)? };
+        let inner = parameters.count(3, 1)?;
+        let form = if outer == 0 { Form::Bounded } else { Form::Recognised };
+        let used = self.surface(surface, &place, form)?;
+        let mut loops = Vec::new();
+        if outer != 0 {
+            loops.extend(self.curve_on_surface(outer, surface, &used, &place)?);
+        }
+        for i in 0..inner {
+            match self.curve_on_surface(parameters.reference(5 + i)?, surface, &used, &place) {
+                Ok(found) => loops.extend(found),
+                // Without a hole a face is too large, but without the face there is a hole of its own size.
+                Err(problem) => self.report(
+                    Severity::Warning,
+                    Problem { reason: format!("hole lost: {}", problem.reason), ..problem },
+                ),
+            }
+        }
+        if outer == 0 {
+            self.bound_naturally(entity, &used, &mut loops)?;
+        }
+        let mut face = self.new_face(entity, &used, loops);
+        face.name = style::name(&self.file, &parameters, 5 + inner);
+        Ok(face)
+    }
+
+    /// Entity 142: how it was made, surface, curve in the parameter plane, curve in space, which one counts. Curves that
+    /// stand in its place are taken for the curve in space.
+    fn curve_on_surface(
+        &mut self,
+        entity: u32,
+        surface: u32,
+        used: &SurfaceUse,
+        outer: &DAffine3,
+    ) -> Mapped<Option<TrimLoop>> {
+        let bounds = if self.entry(entity).kind == 142 {
+            let parameters = self.file.parameters(entity)?;
+            let place = placement::of(&self.file, entity, outer)?;
+            let (flat, curve) = (parameters.pointer(3)?, parameters.pointer(4)?);
+            self.bounds_of(&parameters.problem("it has no curve"), flat, curve, surface, used, &place)?
+        } else {
+            curve::pieces(&self.file, entity, outer)?.into_iter().map(Bound::from).collect()
+        };
+        Ok(trim_loop(&mut self.model, bounds, self.resolution))
+    }
+
+    /// The curve in space where it can be read, else the one in the parameter plane.
+    fn bounds_of(
+        &mut self,
+        none: &Problem,
+        flat: u32,
+        curve: u32,
+        surface: u32,
+        used: &SurfaceUse,
+        place: &DAffine3,
+    ) -> Mapped<Vec<Bound>> {
+        let in_space = match curve {
+            0 => Err(none.clone()),
+            curve => curve::pieces(&self.file, curve, place),
+        };
+        match in_space {
+            Ok(pieces)
+                if !pieces.is_empty()
+                    && (flat == 0 || !self.lies_elsewhere(&pieces, flat, surface, used, place)) =>
+            {
+                Ok(pieces.into_iter().map(Bound::from).collect())
+            }
+            Ok(_) if flat == 0 => Err(none.clone()),
+            Err(problem) if flat == 0 => Err(problem),
+            result => {
+                let problem = result.err().filter(|_| curve != 0);
+                let reason =
+                    problem.as_ref().map_or("the curve in space is not on the surface", |p| &p.reason);
+                if curve != 0 {
+                    let reason = format!("{reason}; the parameter curve counts instead");
+                    let entity = problem.as_ref().map_or(curve, |p| p.entity);
+                    self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
+                }
+                lifted::bounds(self, flat, surface, used, place)
+            }
+        }
+    }
+
+    /// Whether a curve in space has nothing to do with its surface, although the parameter curve `flat` has: some files
+    /// carry a dummy. Points of the one that are among the ends of the other show cheaply that all is well.
+    fn lies_elsewhere(
+        &mut self,
+        pieces: &[Piece],
+        flat: u32,
+        surface: u32,
+        used: &SurfaceUse,
+        place: &DAffine3,
+    ) -> bool {
+        let ends: Vec<DVec3> = pieces.iter().flat_map(Piece::ends).collect();
+        let size = Aabb::around(pieces.iter().flat_map(|p| [p.at(0.0), p.at(0.5), p.at(1.0)])).diagonal();
+        let off = OFF_SURFACE * size + self.resolution;
+        let starts = lifted::starts(self, flat, surface, place, MOST_COMPARED).unwrap_or_default();
+        let is_end = |start: &DVec3| ends.iter().any(|end| end.distance(*start) <= off);
+        if starts.iter().all(is_end) {
+            return false;
+        }
+        let surface = &self.model.surfaces[used.id];
+        let distant = |piece: &Piece| invert_surface(surface, piece.at(0.5), None).distance > off;
+        pieces.iter().take(MOST_COMPARED).any(distant)
+    }
+
+    /// Entity 143: type, surface, how many boundaries, these.
+    fn bounded(&mut self, entity: u32) -> Mapped<Face> {
+        let parameters = self.file.parameters(entity)?;
+        let place = placement::of(&self.file, entity, &self.unit)?;
+        let surface = parameters.reference(2)?;
+        let count = parameters.count(3, 1)?;
+        let form = if count == 0 { Form::Bounded } else { Form::Recognised };
+        let used = self.surface(surface, &place, form)?;
+        let mut loops = Vec::new();
+        for i in 0..count {
+            let boundary = parameters.reference(4 + i)?;
+            let bounds = if self.entry(boundary).kind == 141 {
+                self.boundary(boundary, surface, &used, &place)?
+            } else {
+                curve::pieces(&self.file, boundary, &place)?.into_iter().map(Bound::from).collect()
+            };
+            loops.extend(trim_loop(&mut self.model, bounds, self.resolution));
+        }
+        if count == 0 {
+            self.bound_naturally(entity, &used, &mut loops)?;
+        }
+        let mut face = self.new_face(entity, &used, loops);
+        face.name = style::name(&self.file, &parameters, 4 + count);
+        Ok(face)
+    }
+
+    /// Entity 141: type, which curves count, surface, how many curves; then for each the curve in space, its sense, how
+    /// many parameter curves, these.
+    fn boundary(
+        &mut self,
+        entity: u32,
+        surface: u32,
+        used: &SurfaceUse,
+        outer: &DAffine3,
+    ) -> Mapped<Vec<Bound>> {
+        let parameters = self.file.parameters(entity)?;
+        let place = placement::of(&self.file, entity, outer)?;
+        let mut bounds = Vec::new();
+        let mut at = 5;
+        for _ in 0..parameters.count(4, 3)? {
+            let (curve, sense, flats) =
+                (parameters.pointer(at)?, parameters.integer(at + 1)?, parameters.count(at + 2, 1)?);
+            let flat = if flats == 1 { parameters.pointer(at + 3)? } else { 0 };
+            let none = parameters.problem("it has no curve");
+            let mut found = self.bounds_of(&none, flat, curve, surface, used, &place)?;
+            // Parameter curves have a direction of their own.
+            if sense == 2 && found.iter().all(|bound| bound.pcurve.is_none()) {
+                found.reverse();
+                found.iter_mut().for_each(|bound| bound.piece = bound.piece.clone().reversed());
+            }
+            bounds.append(&mut found);
+            at += 3 + flats;
+        }
+        Ok(bounds)
+    }
+
+    /// A surface that no other entity uses: a face as large as its parameters.
+    fn bare(&mut self, entity: u32) -> Mapped<Face> {
+        let unit = self.unit;
+        let used = self.surface(entity, &unit, Form::Bounded)?;
+        let mut loops = Vec::new();
+        self.bound_naturally(entity, &used, &mut loops)?;
+        Ok(self.new_face(entity, &used, loops))
+    }
+
+    /// Makes a surface's own bounds the outer boundary: nothing to do where it has no holes, else a loop along its sides.
+    fn bound_naturally(&mut self, entity: u32, used: &SurfaceUse, loops: &mut Vec<TrimLoop>) -> Mapped<()> {
+        let kind = self.entry(entity).kind;
+        let surface = &self.model.surfaces[used.id];
+        let domain = surface.domain();
+        if !(domain.min.is_finite() && domain.max.is_finite()) {
+            let reason = format!("a {} without an outer boundary has no end", surface.kind());
+            return Err(Problem { entity, kind, reason });
+        }
+        if loops.is_empty() {
+            return Ok(());
+        }
+        let sides = lifted::sides(surface, entity).map_err(|reason| Problem { entity, kind, reason })?;
+        loops.extend(trim_loop(&mut self.model, sides, self.resolution));
+        Ok(())
+    }
+}

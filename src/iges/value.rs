@@ -1,0 +1,148 @@
+//! Parameters in free format (IGES 5.3, clause 2.2.3): numbers, Hollerith strings, and nothing at all, between delimiters.
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Left out: the default counts.
+    Empty,
+    /// An integer, a real number, a pointer or a logical.
+    Number(f64),
+    /// A Hollerith string.
+    Text(String),
+    /// Something else.
+    Bad,
+}
+
+/// The two characters that separate parameters and end records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Delimiters {
+    /// Between parameters; a comma unless the global section says otherwise.
+    pub parameter: u8,
+    /// At the end; a semicolon unless the global section says otherwise.
+    pub record: u8,
+}
+
+impl Default for Delimiters {
+    fn default() -> Self {
+        Self { parameter: b',', record: b';' }
+    }
+}
+
+/// The values of a record; the flag tells whether the record's end was found.
+pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
+    let mut values = Vec::new();
+    let mut at = 0;
+    loop {
+        let (value, after) = value(text, at, delimiters);
+        values.push(value);
+        match text.get(after) {
+            Some(&byte) if byte == delimiters.parameter => at = after + 1,
+            Some(_) => return (values, true),
+            None => return (values, false),
+        }
+    }
+}
+
+/// The value that starts at `at`, and where the delimiter after it stands (the text's length where none does).
+fn value(text: &[u8], at: usize, delimiters: Delimiters) -> (Value, usize) {
+    if let Some((start, length)) = hollerith(text, at) {
+        let end = start.saturating_add(length).min(text.len());
+        let string = String::from_utf8_lossy(&text[start.min(end)..end]).into_owned();
+        return (Value::Text(string), find_delimiter(text, end, delimiters));
+    }
+    let end = find_delimiter(text, at, delimiters);
+    let field = text[at..end].trim_ascii();
+    let value = match number(field) {
+        Some(number) => Value::Number(number),
+        None if field.is_empty() => Value::Empty,
+        None => Value::Bad,
+    };
+    (value, end)
+}
+
+fn find_delimiter(text: &[u8], at: usize, delimiters: Delimiters) -> usize {
+    let is_delimiter = |byte: &u8| *byte == delimiters.parameter || *byte == delimiters.record;
+    text[at..].iter().position(is_delimiter).map_or(text.len(), |offset| at + offset)
+}
+
+/// Where the characters of a string `nH…` at `at` start, and how many there are.
+fn hollerith(text: &[u8], at: usize) -> Option<(usize, usize)> {
+    let blanks = text[at..].iter().take_while(|b| b.is_ascii_whitespace()).count();
+    let digits = text[at + blanks..].iter().take(9).take_while(|b| b.is_ascii_digit()).count();
+    let mark = at + blanks + digits;
+    if digits == 0 || !matches!(text.get(mark), Some(b'H' | b'h')) {
+        return None;
+    }
+    let count = std::str::from_utf8(&text[at + blanks..mark]).ok()?.parse().ok()?;
+    Some((mark + 1, count))
+}
+
+/// A finite number: integer, or real with an exponent by E or D.
+pub fn number(field: &[u8]) -> Option<f64> {
+    let first = *field.first()?;
+    if !(first.is_ascii_digit() || matches!(first, b'+' | b'-' | b'.')) {
+        return None;
+    }
+    let mut buffer = [0; 64];
+    let buffer = buffer.get_mut(..field.len())?;
+    for (to, from) in buffer.iter_mut().zip(field) {
+        *to = if matches!(from, b'd' | b'D') { b'e' } else { *from };
+    }
+    let text = std::str::from_utf8(buffer).ok()?;
+    let parsed = text.parse::<f64>().ok().or_else(|| {
+        // FORTRAN leaves the letter out before exponents of three digits: 1.5-120.
+        let sign = text.rfind(['+', '-']).filter(|at| *at > 0)?;
+        format!("{}e{}", &text[..sign], &text[sign..]).parse().ok()
+    });
+    parsed.filter(|number| number.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Vec<Value>, bool) {
+        values(text.as_bytes(), Delimiters::default())
+    }
+
+    #[test]
+    fn numbers_strings_and_defaults() {
+        use Value::{Bad, Empty, Number, Text};
+        let (values, ended) = read("110, 1.5D2,,-.5E-1 ,4Ha,;b, +7., 1.5-2,oops;rest");
+        assert!(ended);
+        let expected = [
+            Number(110.0),
+            Number(150.0),
+            Empty,
+            Number(-0.05),
+            Text("a,;b".into()),
+            Number(7.0),
+            Number(0.015),
+            Bad,
+        ];
+        assert_eq!(values, expected);
+    }
+
+    #[test]
+    fn what_is_no_number() {
+        for text in ["", "inf", "nan", "1e999", "0x10", "--1", "1.2.3", "e5"] {
+            assert_eq!(number(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(number(&[b'1'; 100]), None);
+    }
+
+    #[test]
+    fn strings_that_lie_about_their_length() {
+        assert_eq!(read("99Habc"), (vec![Value::Text("abc".into())], false));
+        assert_eq!(read("0H;"), (vec![Value::Text(String::new())], true));
+        assert_eq!(read("999999999H").0, vec![Value::Text(String::new())]);
+    }
+
+    #[test]
+    fn other_delimiters() {
+        let delimiters = Delimiters { parameter: b'/', record: b'#' };
+        let (values, ended) = values(b"1/2,/3#4", delimiters);
+        assert_eq!(values, [Value::Number(1.0), Value::Bad, Value::Number(3.0)]);
+        assert!(ended);
+    }
+}
