@@ -100,18 +100,18 @@ pub(super) const INCOMPLETE: u32 = u32::MAX;
 /// The text of a kernel that counts the turns of its loops.
 ///
 /// Mesa's software renderer ends all loops, without a word, after 65,535 turns in total. Hits found by then are not all hits, so its kernels
-/// keep count and say so. Up to eight invocations run in the lanes of one vector and share the limit, as their turns may fall on different
-/// times: in a wide workgroup an eighth is safe for each, in a narrow one all of it. Loops that the compiler unrolls are free, so that
-/// counting errs on the safe side.
+/// keep count and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a wide one each has a
+/// sixty-fourth for certain, of a narrow one all. Loops that the compiler unrolls are free, so that counting errs on the safe side.
 pub fn counting_source(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
     let mut text = String::new();
     for line in kernel_text(entry, specialisation, lanes).lines() {
-        text.push_str(line);
-        text.push('\n');
-        let opens_loop =
-            ["for (", "while ", "loop {"].iter().any(|start| line.trim_start().starts_with(start));
+        let trimmed = line.trim_start();
+        let opens_loop = ["for (", "while ", "loop {"].iter().any(|start| trimmed.starts_with(start));
         if opens_loop && line.ends_with('{') {
-            text.push_str("turns += 1u;\n");
+            // The turn that finds the loop's end counts too.
+            let _ = writeln!(text, "turns += 1u;\n{line}\nturns += 1u;");
+        } else {
+            let _ = writeln!(text, "{line}");
         }
     }
     text
@@ -137,7 +137,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
     let words: [(&str, u32); 17] = [
         ("WORKGROUP_SIZE", lanes),
-        ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 8_000 }),
+        ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("MAX_NET_DEGREE", specialisation.max_net_degree.max(1)),
         ("MAX_TRIM_DEGREE", specialisation.max_trim_degree.max(1)),
         ("REVERSED", Face::REVERSED),
