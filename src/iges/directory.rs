@@ -116,7 +116,7 @@ impl<'a> Directory<'a> {
     /// The entry with directory number `entity`.
     pub fn entry(&self, entity: u32) -> Mapped<&Entry> {
         let missing = || Problem { entity, kind: 0, reason: "the file has no such entity".into() };
-        if entity % 2 == 0 {
+        if entity.is_multiple_of(2) {
             return Err(missing());
         }
         self.entries.get(entity as usize / 2).ok_or_else(missing)
