@@ -20,6 +20,10 @@ const MOST_SAMPLES: usize = 96;
 const RINGS: [f64; 3] = [0.17, 0.5, 0.83];
 const ON_RING: [f64; 3] = [0.06, 0.39, 0.72];
 
+/// Radii above this multiple of the size are those of straight lines: through three points of a line and its rounding
+/// errors there is a circle, too.
+const LARGEST_RADIUS: f64 = 1e4;
+
 /// The elementary surface from which no point of `spline` is farther than `tolerance`, and whether its normal is opposite
 /// to the spline's. Parameters are not kept.
 pub fn recognise(spline: &BsplineSurface, tolerance: f64) -> Option<(Surface, bool)> {
@@ -67,7 +71,9 @@ fn revolution(spline: &BsplineSurface, axis: usize, tolerance: f64) -> Option<Su
         let share = if axis == 0 { DVec2::new(around, along) } else { DVec2::new(along, around) };
         spline.point(domain.min + (domain.max - domain.min) * share)
     };
-    let ring = |along: f64| circle_through(ON_RING.map(|around| at(around, along)));
+    let largest = LARGEST_RADIUS * spline.size();
+    let circle = |points| circle_through(points).filter(|circle| circle.radius <= largest);
+    let ring = |along: f64| circle(ON_RING.map(|around| at(around, along)));
     let rings = [ring(RINGS[0])?, ring(RINGS[1])?, ring(RINGS[2])?];
     let (origin, direction) = (rings[1].center, rings[1].normal);
     let profile = rings.map(|ring| DVec2::new((ring.center - origin).dot(direction), ring.radius));
@@ -82,7 +88,7 @@ fn revolution(spline: &BsplineSurface, axis: usize, tolerance: f64) -> Option<Su
             return Some(Surface::Cone { frame: frame(0.0), radius: b.y, half_angle: slope.atan() });
         }
     }
-    let profile = circle_through(profile.map(|p| p.extend(0.0)))?;
+    let profile = circle(profile.map(|p| p.extend(0.0)))?;
     let (height, major) = (profile.center.x, profile.center.y);
     if major.abs() <= tolerance {
         Some(Surface::Sphere { frame: frame(height), radius: profile.radius })
@@ -218,7 +224,6 @@ mod tests {
         let mut spline = revolved(&line([2.0, 0.0], [2.0, 7.0]), [0.0, 1.0]);
         spline.points[3] += Homogeneous3::new(1e-3, 0.0, 0.0, 0.0);
         assert_eq!(recognise(&spline, 1e-6), None);
-        // An ellipse that passes through the sampled points of no circle.
         let ellipse = Curve::Ellipse { frame: frame(), radii: [3.0, 2.9] };
         let tube =
             to_bspline::extrude(&to_bspline::curve_to_bspline(&ellipse, [0.0, 6.0]), frame().z, [0.0, 4.0]);
