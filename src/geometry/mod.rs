@@ -13,6 +13,7 @@ mod decompose;
 mod frame;
 mod invert;
 mod knots;
+mod recognise;
 mod surface;
 pub mod to_bspline;
 
@@ -23,6 +24,7 @@ pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface};
 pub use frame::Frame;
 pub use invert::{Inversion, invert_curve, invert_surface};
 pub use knots::{KnotError, KnotVector};
+pub use recognise::recognise;
 pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};
 
 #[cfg(test)]
