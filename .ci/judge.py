@@ -1,20 +1,27 @@
 #!/usr/bin/env python3
-"""Judges the rows of compare.py: enough rays of the STEP files agree, and no file makes trimray crash or hang."""
+"""Judges the rows of compare.py: enough rays agree on the STEP and on the IGES files, and no file makes trimray crash or hang."""
 import json
 import sys
 
-FLOOR = 0.85  # share of rays that must agree, over all STEP files, refused ones counted as wrong
+FLOORS = {"STEP": 0.9, "IGES": 0.9}  # share of rays that must agree; refused files count as wrong
 RAYS_OF_A_REFUSED_FILE = 200
+CRASHES = ("panicked", "rc 101", "rc -", "no answer")
 
-rows = [row for row in json.load(open(sys.argv[1])) if row["file"].lower().endswith((".step", ".stp", ".p21"))]
-answered = [row for row in rows if "agree" in row]
-failed = [row for row in rows if "fail" in row]
-crashed = [row for row in failed if "panicked" in row["fail"] or "rc 101" in row["fail"] or "rc -" in row["fail"] or "no answer" in row["fail"]]
-rays = sum(row["rays"] for row in answered) + RAYS_OF_A_REFUSED_FILE * len(failed)
-share = sum(row["agree"] for row in answered) / max(1, rays)
-print(f"STEP files: {len(answered)} answered, {len(failed)} refused, {len(crashed)} crashed or hung; "
-      f"{share:.4f} of {rays} rays agree (floor {FLOOR})")
-for row in failed:
-    print(f"  {row['file']}: {row['fail']}")
-if crashed or share < FLOOR or not answered:
-    sys.exit("the corpus check fails")
+
+def judge(kind, rows):
+    answered = [row for row in rows if "agree" in row]
+    refused = [row for row in rows if "fail" in row]
+    crashed = [row for row in refused if any(sign in row["fail"] for sign in CRASHES)]
+    rays = sum(row["rays"] for row in answered) + RAYS_OF_A_REFUSED_FILE * len(refused)
+    share = sum(row["agree"] for row in answered) / max(1, rays)
+    print(f"{kind} files: {len(answered)} answered, {len(refused)} refused, {len(crashed)} crashed or hung; "
+          f"{share:.4f} of {rays} rays agree (floor {FLOORS[kind]})")
+    for row in refused:
+        print(f"  {row['file']}: {row['fail']}")
+    return not crashed and bool(answered) and share >= FLOORS[kind]
+
+
+rows = json.load(open(sys.argv[1]))
+is_iges = lambda row: row["file"].lower().endswith((".igs", ".iges"))
+verdicts = [judge("STEP", [row for row in rows if not is_iges(row)]), judge("IGES", [row for row in rows if is_iges(row)])]
+sys.exit(0 if all(verdicts) else "the corpus check fails")

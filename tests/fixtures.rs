@@ -1,6 +1,6 @@
 //! Every fixture, from its file to counts, hits and pictures, through the binary.
 //!
-//! A fixture is a folder with a CAD file (`model.step`), what another CAD kernel says of it (`fixture.toml` and the ray hits in
+//! A fixture is a folder with a CAD file (`model.step`, some in `model.igs` too), what another CAD kernel says of it (`fixture.toml` and the ray hits in
 //! `hits.json`; see `tools/fixtures`) and a small picture (`golden.png`). `TRIMRAY_BLESS=1` rewrites the pictures. The pictures of a GPU
 //! are compared where there is one; `REQUIRE_GPU=1` makes its absence an error.
 
@@ -212,39 +212,54 @@ fn rays_hit_where_another_kernel_says() {
         if fixture.unsupported_faces() > 0 {
             return Ok("left out: it has faces that are not supported".into());
         }
-        let text = fs::read_to_string(fixture.folder.join("hits.json")).map_err(|e| e.to_string())?;
-        let oracle: Oracle = serde_json::from_str(&text).map_err(|e| e.to_string())?;
-        let tolerance = 1e-6 * distance(&oracle.bbox[..3], &oracle.bbox[3..]);
-        let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
-        let rays = folder.path().join("rays.txt");
-        let lines: Vec<String> = oracle.rays.iter().map(|r| [r.o, r.d].concat()).map(|n| join(&n)).collect();
-        fs::write(&rays, lines.join("\n")).map_err(|e| e.to_string())?;
-        let output = trimray(&[&"probe", &fixture.model(), &"--rays", &rays, &"--precision", &"f64"])?;
-        let answers = String::from_utf8(output.stdout).map_err(|e| e.to_string())?;
-        ensure!(answers.lines().count() == oracle.rays.len(), "{} answers", answers.lines().count());
-        let (mut used, mut agree, mut odd, mut first_wrong) = (0, 0, 0, None);
-        for (index, (ray, line)) in oracle.rays.iter().zip(answers.lines()).enumerate() {
-            let answer: Value = serde_json::from_str(line).map_err(|e| e.to_string())?;
-            let ours: Vec<f64> = list(&answer["hits"]).iter().filter_map(|hit| hit["t"].as_f64()).collect();
-            odd += usize::from(fixture.described.expect.closed) * (ours.len() % 2);
-            if ray.hits.iter().any(|hit| hit.4 == "ON") {
-                continue;
-            }
-            used += 1;
-            if same_hits(&ours, &ray.hits.iter().map(|hit| hit.0).collect::<Vec<_>>(), tolerance) {
-                agree += 1;
-            } else {
-                first_wrong.get_or_insert(index);
-            }
-        }
-        let found = format!("{agree} of {used} rays agree, {odd} odd");
-        ensure!(
-            used > 50 && f64::from(agree) >= AGREEING * f64::from(used),
-            "{found}, first not: {first_wrong:?}"
-        );
-        ensure!(odd * 100 <= oracle.rays.len(), "{found} on a closed model");
-        Ok(found)
+        check_hits(fixture, "model.step")
     });
+}
+
+#[test]
+fn rays_hit_the_same_in_iges() {
+    check_all("IGES hits", |fixture| {
+        if fixture.folder.join("model.igs").exists() {
+            check_hits(fixture, "model.igs")
+        } else {
+            Ok("left out: it has no IGES file".into())
+        }
+    });
+}
+
+fn check_hits(fixture: &Fixture, model: &str) -> Result<String, String> {
+    let text = fs::read_to_string(fixture.folder.join("hits.json")).map_err(|e| e.to_string())?;
+    let oracle: Oracle = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+    let tolerance = 1e-6 * distance(&oracle.bbox[..3], &oracle.bbox[3..]);
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    let rays = folder.path().join("rays.txt");
+    let lines: Vec<String> = oracle.rays.iter().map(|r| join(&[r.o, r.d].concat())).collect();
+    fs::write(&rays, lines.join("\n")).map_err(|e| e.to_string())?;
+    let output = trimray(&[&"probe", &fixture.folder.join(model), &"--rays", &rays, &"--precision", &"f64"])?;
+    let answers = String::from_utf8(output.stdout).map_err(|e| e.to_string())?;
+    ensure!(answers.lines().count() == oracle.rays.len(), "{} answers", answers.lines().count());
+    let (mut used, mut agree, mut odd, mut first_wrong) = (0, 0, 0, None);
+    for (index, (ray, line)) in oracle.rays.iter().zip(answers.lines()).enumerate() {
+        let answer: Value = serde_json::from_str(line).map_err(|e| e.to_string())?;
+        let ours: Vec<f64> = list(&answer["hits"]).iter().filter_map(|hit| hit["t"].as_f64()).collect();
+        odd += usize::from(fixture.described.expect.closed) * (ours.len() % 2);
+        if ray.hits.iter().any(|hit| hit.4 == "ON") {
+            continue;
+        }
+        used += 1;
+        if same_hits(&ours, &ray.hits.iter().map(|hit| hit.0).collect::<Vec<_>>(), tolerance) {
+            agree += 1;
+        } else {
+            first_wrong.get_or_insert(index);
+        }
+    }
+    let found = format!("{agree} of {used} rays agree, {odd} odd");
+    ensure!(
+        used > 50 && f64::from(agree) >= AGREEING * f64::from(used),
+        "{found}, first not: {first_wrong:?}"
+    );
+    ensure!(odd * 100 <= oracle.rays.len(), "{found} on a closed model");
+    Ok(found)
 }
 
 fn join(numbers: &[f64]) -> String {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Ray traces the exact trimmed surfaces of CAD files. Nothing is tessellated.
 ///
-/// INPUT is a STEP file (.step, .stp, .p21) or a scene baked by `trimray bake` (.trimray).
+/// INPUT is a STEP file (.step, .stp, .p21), an IGES file (.igs, .iges) or a scene baked by `trimray bake` (.trimray).
 /// All lengths are millimetres, whatever unit the file is in.
 #[derive(Debug, Parser)]
 #[command(
@@ -71,7 +71,7 @@ Examples:
   trimray render part.step -o - --no-background --resolution 400x400 | display
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
-    /// STEP files or baked .trimray files.
+    /// STEP or IGES files, or baked .trimray files.
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
     /// The picture to write: .png, .exr, or '-' for a PNG on stdout; {model} stands for the input's name without its extension.
@@ -135,7 +135,7 @@ Examples:
   trimray bake plant.step
   trimray bake plant.step -o /tmp/plant.trimray --keep-f64")]
 pub(super) struct Bake {
-    /// A STEP file.
+    /// A STEP or IGES file.
     #[arg(value_name = "INPUT")]
     pub(super) input: PathBuf,
     /// The file to write [default: beside the input, with the extension .trimray].
@@ -151,7 +151,7 @@ pub(super) struct Bake {
 /// Tells what is in a file: units, product tree, faces by kind, sizes, and what was dropped and why.
 #[derive(Debug, Args)]
 pub(super) struct Info {
-    /// A STEP file or a baked .trimray file.
+    /// A STEP or IGES file, or a baked .trimray file.
     #[arg(value_name = "INPUT")]
     pub(super) input: PathBuf,
     #[command(flatten)]
@@ -173,7 +173,7 @@ Examples:
   echo '0 0 100 0 0 -1' | trimray probe part.step --rays -
   trimray probe part.trimray --rays rays.txt --hits first --precision f32 > hits.jsonl")]
 pub(super) struct Probe {
-    /// A STEP file or a baked .trimray file.
+    /// A STEP or IGES file, or a baked .trimray file.
     #[arg(value_name = "INPUT")]
     pub(super) input: PathBuf,
     #[command(flatten)]

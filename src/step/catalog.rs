@@ -1,8 +1,8 @@
 //! One pass over all statements that finds those from which the mapping starts.
 
+use super::decode;
 use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::Reader;
-use super::value;
 use std::collections::HashSet;
 
 /// Entity numbers by what they are, in ascending order.
@@ -29,7 +29,7 @@ pub fn read(reader: &Reader) -> Catalog {
     let mut catalog = Catalog::default();
     for statement in &reader.index.statements {
         let body = &reader.index.bytes[statement.body.clone()];
-        let keyword = value::leading_keyword(body);
+        let keyword = decode::leading_keyword(body);
         if keyword.is_empty() {
             let Ok(entity) = reader.entity(statement.id) else { continue };
             // A complex instance is what its most specific part says; the parts stand in alphabetical order.
@@ -40,7 +40,7 @@ pub fn read(reader: &Reader) -> Catalog {
                 catalog.add(known, statement.id);
             }
         } else {
-            catalog.add(&value::upper_case(keyword), statement.id);
+            catalog.add(&decode::upper_case(keyword), statement.id);
         }
     }
     catalog

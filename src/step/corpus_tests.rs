@@ -1,7 +1,7 @@
 //! Sweeps over real files, where they are at hand (`../shared/corpus` beside the repository), and a differential test of the
 //! scanner against ruststep.
 
-use super::{read, scan, value};
+use super::{decode, read, scan};
 use crate::brep::Model;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -145,7 +145,7 @@ fn with_ruststep(text: &str) -> Option<Vec<(u64, Vec<String>)>> {
 fn with_ours(text: &str) -> Vec<(u64, Vec<String>)> {
     let index = scan::index(text.as_bytes());
     let decoded =
-        index.statements.iter().filter_map(|s| value::decode(index.bytes, s.id, s.body.clone()).ok());
+        index.statements.iter().filter_map(|s| decode::decode(index.bytes, s.id, s.body.clone()).ok());
     decoded.map(|e| (e.id, e.records.iter().map(|r| r.keyword.to_string()).collect())).collect()
 }
 

@@ -1,13 +1,13 @@
 //! The header section (ISO 10303-21, clause 8): for people only, nothing depends on it.
 
+use super::decode;
 use super::scan::Index;
-use super::value;
 use crate::brep::Source;
 
 /// Schema and originating system, as far as the header gives them.
 pub fn source(index: &Index) -> Source {
     let mut source = Source { format: "STEP".into(), ..Source::default() };
-    for record in value::decode_header(index.bytes, index.header.clone()) {
+    for record in decode::decode_header(index.bytes, index.header.clone()) {
         match &*record.keyword {
             "FILE_SCHEMA" => {
                 let names = record.list(0).iter().filter_map(|v| v.text());

@@ -7,21 +7,21 @@
 
 use super::catalog::Catalog;
 use super::groups::Groups;
+use super::map_placement::{mapped_representation, related, transformation};
 use super::map_style::Styles;
 use super::map_topology::BODY_KEYWORDS;
-use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
+use super::reader::{MAX_CHAIN, Problem, Reader};
+use super::roots;
 use super::units::{self, Units};
-use super::value::Entity;
-use crate::brep::{Child, Color, Id, Part, Severity};
-use glam::DAffine3;
+use crate::brep::{Id, Part, Severity};
 use std::collections::{HashMap, HashSet};
 
 /// A representation: `(name, items, context)`.
 #[derive(Debug, Clone, Default)]
-struct Representation {
-    name: String,
-    items: Vec<u64>,
-    context: Option<u64>,
+pub struct Representation {
+    pub name: String,
+    pub items: Vec<u64>,
+    pub context: Option<u64>,
 }
 
 /// Keywords of items that hold shape in a form that is not read, by what they contain.
@@ -54,28 +54,28 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
     }
     assembly.place_related(reader);
     assembly.map_unreached(reader, catalog, styles);
-    find_roots(reader);
+    roots::find(reader);
 }
 
-struct Assembly {
+pub struct Assembly {
     /// In the order of mapping: those of products first.
-    order: Vec<u64>,
-    representations: HashMap<u64, Representation>,
-    groups: Groups,
+    pub order: Vec<u64>,
+    pub representations: HashMap<u64, Representation>,
+    pub groups: Groups,
     /// Which items each representation has.
-    items: HashSet<(u64, u64)>,
+    pub items: HashSet<(u64, u64)>,
     /// Product definition by representation.
     products: HashMap<u64, u64>,
     /// The representations of each group, in the order of mapping.
     members: HashMap<u64, Vec<u64>>,
     /// Which product definitions each group describes.
-    described: HashSet<(u64, u64)>,
+    pub described: HashSet<(u64, u64)>,
     /// Relationships that place something without an occurrence.
-    placing: Vec<u64>,
+    pub placing: Vec<u64>,
     parts: HashMap<u64, Id<Part>>,
     units: HashMap<Option<u64>, Units>,
     /// Placements made, so that one that is given twice (as occurrence and as mapped item) is made once.
-    placed: HashSet<(Id<Part>, Id<Part>, [i64; 12])>,
+    pub placed: HashSet<(Id<Part>, Id<Part>, [i64; 12])>,
 }
 
 impl Assembly {
@@ -114,7 +114,7 @@ impl Assembly {
     }
 
     /// Adds representation `id` and those that it maps, and so on.
-    fn include(&mut self, reader: &Reader, id: u64) {
+    pub fn include(&mut self, reader: &Reader, id: u64) {
         let mut waiting = vec![id];
         while let Some(id) = waiting.pop() {
             if self.representations.contains_key(&id) {
@@ -162,7 +162,7 @@ impl Assembly {
     }
 
     /// The part of a representation's group, made when first needed.
-    fn part(&mut self, reader: &mut Reader, representation: u64) -> Id<Part> {
+    pub fn part(&mut self, reader: &mut Reader, representation: u64) -> Id<Part> {
         let group = self.groups.find(representation);
         if let Some(&part) = self.parts.get(&group) {
             return part;
@@ -187,7 +187,7 @@ impl Assembly {
         part
     }
 
-    fn use_units(&mut self, reader: &mut Reader, context: Option<u64>) {
+    pub fn use_units(&mut self, reader: &mut Reader, context: Option<u64>) {
         let units = match self.units.get(&context) {
             Some(units) => units.clone(),
             None => {
@@ -228,168 +228,6 @@ impl Assembly {
                 }
             }
         }
-    }
-
-    fn place_mapped_items(&mut self, reader: &mut Reader, styles: &Styles) {
-        for at in 0..self.order.len() {
-            let id = self.order[at];
-            let Representation { items, context, .. } = self.representations[&id].clone();
-            for item in items {
-                if reader.keyword(item) == "MAPPED_ITEM"
-                    && let Err(problem) = self.place_mapped_item(reader, id, context, item, styles)
-                {
-                    reader.report(Severity::Warning, problem);
-                }
-            }
-        }
-    }
-
-    fn place_mapped_item(
-        &mut self,
-        reader: &mut Reader,
-        parent: u64,
-        context: Option<u64>,
-        item: u64,
-        styles: &Styles,
-    ) -> Mapped<()> {
-        let (origin, mapped, target) = mapped_representation(reader, item)?;
-        let mapped_context = self.representations.get(&mapped).and_then(|r| r.context);
-        self.use_units(reader, context);
-        let parent_from_target = reader.transform(target)?;
-        self.use_units(reader, mapped_context);
-        let child_from_origin = reader.transform(origin)?;
-        let entity = reader.entity(item)?;
-        let placement = Placement {
-            parent,
-            child: mapped,
-            parent_from_child: parent_from_target * child_from_origin.inverse(),
-            name: entity.first().text(0),
-            color: styles.of(item),
-            entity: item,
-        };
-        self.place(reader, placement)
-    }
-
-    /// CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(relationship, product definition shape of an occurrence).
-    fn place_occurrence(&mut self, reader: &mut Reader, id: u64, styles: &Styles) -> Mapped<()> {
-        let entity = reader.entity(id)?;
-        let relationship = reader.referred(id, entity.first(), 0)?;
-        let shape = reader.referred(id, entity.first(), 1)?;
-        let occurrence = reader.referred(shape.id, shape.first(), 2)?;
-        let usage = occurrence.first();
-        let (parent_product, child_product) = (usage.reference(3), usage.reference(4));
-        let [first, second] = related(&relationship)
-            .ok_or_else(|| problem(&relationship, "two representations are not related"))?;
-        let of = |assembly: &mut Self, representation: u64, product: Option<u64>| {
-            product.is_some_and(|product| assembly.belongs(representation, product))
-        };
-        let first_is_child = if of(self, first, child_product) && of(self, second, parent_product) {
-            true
-        } else if of(self, second, child_product) && of(self, first, parent_product) {
-            false
-        } else {
-            of(self, first, child_product) || !of(self, second, child_product)
-        };
-        let name = [1, 0].map(|at| usage.text(at)).into_iter().find(|name| is_name(name)).unwrap_or_default();
-        let color = styles.of_occurrence(id);
-        self.place_by_relationship(reader, &relationship, [first, second], first_is_child, name, color)
-    }
-
-    /// Relationships with a transformation that no occurrence uses.
-    fn place_related(&mut self, reader: &mut Reader) {
-        for id in std::mem::take(&mut self.placing) {
-            let placed = reader.entity(id).and_then(|entity| match related(&entity) {
-                Some(pair) => {
-                    let first_is_child = transformation(&entity).is_some();
-                    self.place_by_relationship(reader, &entity, pair, first_is_child, String::new(), None)
-                }
-                None => Ok(()),
-            });
-            if let Err(problem) = placed {
-                reader.report(Severity::Warning, problem);
-            }
-        }
-    }
-
-    fn place_by_relationship(
-        &mut self,
-        reader: &mut Reader,
-        relationship: &Entity,
-        [first, second]: [u64; 2],
-        first_is_child: bool,
-        name: String,
-        color: Option<Color>,
-    ) -> Mapped<()> {
-        let (child, parent) = if first_is_child { (first, second) } else { (second, first) };
-        let parent_from_child = match transformation(relationship) {
-            None => DAffine3::IDENTITY,
-            Some(id) => self.relative_placement(reader, id, child, parent, first_is_child)?,
-        };
-        self.place(
-            reader,
-            Placement { parent, child, parent_from_child, name, color, entity: relationship.id },
-        )
-    }
-
-    /// The matrix of an ITEM_DEFINED_TRANSFORMATION or an operator.
-    fn relative_placement(
-        &mut self,
-        reader: &mut Reader,
-        id: u64,
-        child: u64,
-        parent: u64,
-        first_is_child: bool,
-    ) -> Mapped<DAffine3> {
-        let context = |assembly: &Self, r: u64| assembly.representations.get(&r).and_then(|r| r.context);
-        let (child_context, parent_context) = (context(self, child), context(self, parent));
-        let entity = reader.entity(id)?;
-        let Some(record) = entity.record("ITEM_DEFINED_TRANSFORMATION") else {
-            self.use_units(reader, parent_context);
-            let second_from_first = reader.transform(id)?;
-            return Ok(if first_is_child { second_from_first } else { second_from_first.inverse() });
-        };
-        let items = [reference(id, record, 2)?, reference(id, record, 3)?];
-        let (mut in_child, mut in_parent) =
-            if first_is_child { (items[0], items[1]) } else { (items[1], items[0]) };
-        // The items belong to their representations; where they are given the other way round, they say so themselves.
-        let holds = |representation: u64, item: u64| self.items.contains(&(representation, item));
-        let as_given = holds(child, in_child) && holds(parent, in_parent);
-        if !as_given && holds(child, in_parent) && holds(parent, in_child) {
-            std::mem::swap(&mut in_child, &mut in_parent);
-        }
-        self.use_units(reader, child_context);
-        let child_from_item = reader.transform(in_child)?;
-        self.use_units(reader, parent_context);
-        let parent_from_item = reader.transform(in_parent)?;
-        Ok(parent_from_item * child_from_item.inverse())
-    }
-
-    fn place(&mut self, reader: &mut Reader, placement: Placement) -> Mapped<()> {
-        let Placement { parent, child, parent_from_child, name, color, entity } = placement;
-        let wrong = |reason: &str| Problem { entity, kind: "placement".into(), reason: reason.into() };
-        if !parent_from_child.is_finite() || parent_from_child.matrix3.determinant() == 0.0 {
-            return Err(wrong("the placement has no finite inverse; the component is left out"));
-        }
-        for representation in [parent, child] {
-            if !self.representations.contains_key(&representation) {
-                self.include(reader, representation);
-            }
-        }
-        if self.groups.find(parent) == self.groups.find(child) {
-            return Err(wrong("a part is placed in itself; the component is left out"));
-        }
-        let (parent, part) = (self.part(reader, parent), self.part(reader, child));
-        let key = parent_from_child.to_cols_array().map(|value| (value * 1e6).round() as i64);
-        if self.placed.insert((parent, part, key)) {
-            let name = if is_name(&name) { name } else { String::new() };
-            reader.model.parts[parent].children.push(Child { part, parent_from_child, name, color, entity });
-        }
-        Ok(())
-    }
-
-    /// Whether a representation's group describes product definition `product`.
-    fn belongs(&mut self, representation: u64, product: u64) -> bool {
-        self.described.contains(&(self.groups.find(representation), product))
     }
 
     /// Bodies that no representation of a product reached: a part of their own where nothing else was found, else a finding.
@@ -440,20 +278,6 @@ impl Assembly {
     }
 }
 
-struct Placement {
-    parent: u64,
-    child: u64,
-    parent_from_child: DAffine3,
-    name: String,
-    color: Option<Color>,
-    entity: u64,
-}
-
-/// Labels of Open CASCADE's document, such as `=>[0:1:1:2]`, are no names.
-fn is_name(name: &str) -> bool {
-    !name.is_empty() && !name.starts_with("=>[")
-}
-
 fn is_body(reader: &Reader, id: u64) -> bool {
     let keyword = reader.keyword(id);
     if keyword.is_empty() {
@@ -495,68 +319,4 @@ fn product_name(reader: &Reader, definition: u64) -> Option<String> {
         entity = reader.entity(record.reference(2)?).ok()?;
     }
     None
-}
-
-/// MAPPED_ITEM(name, map, target) and REPRESENTATION_MAP(origin, representation): origin, representation, target.
-fn mapped_representation(reader: &Reader, item: u64) -> Mapped<(u64, u64, u64)> {
-    let entity = reader.entity(item)?;
-    let map = reader.referred(item, entity.first(), 1)?;
-    let target = reference(item, entity.first(), 2)?;
-    Ok((reference(map.id, map.first(), 0)?, reference(map.id, map.first(), 1)?, target))
-}
-
-/// The two representations of a relationship.
-fn related(entity: &Entity) -> Option<[u64; 2]> {
-    let record = entity.record("REPRESENTATION_RELATIONSHIP").unwrap_or(entity.first());
-    Some([record.reference(2)?, record.reference(3)?])
-}
-
-/// The transformation of a relationship that has one.
-fn transformation(entity: &Entity) -> Option<u64> {
-    let record = entity
-        .records
-        .iter()
-        .find(|r| r.keyword.ends_with("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"))?;
-    let last = record.parameters.last()?;
-    last.reference().or_else(|| last.list()?.first()?.reference())
-}
-
-/// The parts that no other part places; and, of circles that nothing else reaches, one part each. Trees without any body are
-/// left out.
-fn find_roots(reader: &mut Reader) {
-    let model = &mut reader.model;
-    let mut parents: HashMap<Id<Part>, Vec<Id<Part>>> = HashMap::new();
-    for id in model.parts.ids() {
-        for child in &model.parts[id].children {
-            parents.entry(child.part).or_default().push(id);
-        }
-    }
-    let with_bodies = |id: &Id<Part>| !model.parts[*id].bodies.is_empty();
-    let mut shaped = HashSet::new();
-    let above = |id: Id<Part>| parents.get(&id).cloned().unwrap_or_default();
-    reach(&mut shaped, model.parts.ids().filter(with_bodies).collect(), above);
-    let mut reached = HashSet::new();
-    for circles in [false, true] {
-        for id in model.parts.ids().filter(|id| shaped.contains(id)) {
-            let is_root = if circles { with_bodies(&id) } else { !parents.contains_key(&id) };
-            if is_root && !reached.contains(&id) {
-                model.roots.push(id);
-                let below = |id: Id<Part>| model.parts[id].children.iter().map(|c| c.part).collect();
-                reach(&mut reached, vec![id], below);
-            }
-        }
-    }
-}
-
-/// Adds to `reached` all that `next` leads to from `waiting`, itself included.
-fn reach(
-    reached: &mut HashSet<Id<Part>>,
-    mut waiting: Vec<Id<Part>>,
-    next: impl Fn(Id<Part>) -> Vec<Id<Part>>,
-) {
-    while let Some(id) = waiting.pop() {
-        if reached.insert(id) {
-            waiting.extend(next(id));
-        }
-    }
 }

@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! bytes ─scan→ statement index ─catalog→ starting points ─map_*→ brep::Model
-//!                    └─ value: one entity decoded whenever the mapping reaches it
+//!                    └─ decode: one entity decoded whenever the mapping reaches it
 //! ```
 //!
 //! The schema's name decides nothing: entities are read by their keywords. A broken statement costs itself; a face that
 //! cannot be mapped costs itself. Invariant: faces imported plus faces in the diagnostics are the faces declared.
 
 mod catalog;
+mod decode;
 mod groups;
 mod header;
 mod map_assembly;
@@ -16,11 +17,13 @@ mod map_bspline;
 mod map_edge;
 mod map_geometry;
 mod map_pcurve;
+mod map_placement;
 mod map_style;
 mod map_surface;
 mod map_swept;
 mod map_topology;
 mod reader;
+mod roots;
 mod scan;
 mod text;
 mod units;

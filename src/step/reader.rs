@@ -1,8 +1,9 @@
 //! What all mapping functions share: the indexed file, the model in the making, what was already mapped, and the findings.
 
+use super::decode;
 use super::scan::Index;
 use super::units::Units;
-use super::value::{self, Entity, Record};
+use super::value::{Entity, Record};
 use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
 use crate::geometry::Surface;
 use std::borrow::Cow;
@@ -89,9 +90,9 @@ impl<'a> Reader<'a> {
             reason: "the file has no such entity".into(),
         })?;
         let bytes = self.index.bytes;
-        value::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
+        decode::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
             entity: id,
-            kind: String::from_utf8_lossy(value::leading_keyword(&bytes[statement.body.clone()]))
+            kind: String::from_utf8_lossy(decode::leading_keyword(&bytes[statement.body.clone()]))
                 .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
@@ -102,7 +103,7 @@ impl<'a> Reader<'a> {
         match self.index.find(id) {
             Some(statement) => {
                 let bytes = self.index.bytes;
-                value::upper_case(value::leading_keyword(&bytes[statement.body.clone()]))
+                decode::upper_case(decode::leading_keyword(&bytes[statement.body.clone()]))
             }
             None => "".into(),
         }
