@@ -3,6 +3,7 @@
 
 use super::{decode, read, scan};
 use crate::brep::Model;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -55,13 +56,16 @@ fn every_face_of_real_files_is_accounted_for() {
             Ok(model) => {
                 let seconds = start.elapsed().as_secs_f64();
                 check(&model, &name);
+                let colors: HashSet<String> =
+                    model.faces.iter().filter_map(|f| f.color).map(|c| format!("{c:?}")).collect();
                 let children: usize = model.parts.iter().map(|p| p.children.len()).sum();
                 eprintln!(
-                    "{name:.50}: {}/{} faces, {} parts, {} roots, {children} placements, {} findings, {:.0} ms",
+                    "{name:.50}: {}/{} faces, {} parts, {} roots, {children} placements, {} colours of faces, {} findings, {:.0} ms",
                     model.faces.len(),
                     model.declared_faces,
                     model.parts.len(),
                     model.roots.len(),
+                    colors.len(),
                     model.diagnostics.len(),
                     seconds * 1e3,
                 );
