@@ -272,23 +272,32 @@ fn plane_values(net: u32, planes: RayPlanes, uv: vec2<f32>) -> PlaneValues {
     var u = basis_and_slopes(degrees.x, uv.x);
     var v = basis_and_slopes(degrees.y, uv.y);
     var result: PlaneValues;
-    var index = nets[net].first_point;
     for (var i = 0u; i <= degrees.x; i++) {
+        let first = nets[net].first_point + i * (degrees.y + 1u);
         var row = vec2<f32>(0.0);
         var row_v = vec2<f32>(0.0);
-        for (var j = 0u; j <= degrees.y; j++) {
-            let p = net_points[index];
-            index += 1u;
-            let minor = vec2<f32>(p[planes.minor.x], p[planes.minor.y]);
-            let xy = minor - planes.slope * p[planes.major] - planes.at * p.w;
-            row += xy * v.values[j];
-            row_v += xy * v.slopes[j];
+        for (var c = 0u; c <= degrees.y / 4u; c++) {
+            // Four points a time; those beyond the row meet basis functions that are 0.
+            let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.y));
+            let four = mat4x2<f32>(
+                plane_terms(net_points[first + column.x], planes),
+                plane_terms(net_points[first + column.y], planes),
+                plane_terms(net_points[first + column.z], planes),
+                plane_terms(net_points[first + column.w], planes),
+            );
+            row += four * v.values[c];
+            row_v += four * v.slopes[c];
         }
-        result.f += row * u.values[i];
-        result.f_u += row * u.slopes[i];
-        result.f_v += row_v * u.values[i];
+        let value = u.values[i / 4u][i % 4u];
+        result.f += row * value;
+        result.f_u += row * u.slopes[i / 4u][i % 4u];
+        result.f_v += row_v * value;
     }
     return result;
+}
+
+fn plane_terms(p: vec4<f32>, planes: RayPlanes) -> vec2<f32> {
+    return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major] - planes.at * p.w;
 }
 
 fn net_degrees(net: u32) -> vec2<u32> {
@@ -300,16 +309,25 @@ fn net_position(net: u32, uv: vec2<f32>) -> vec3<f32> {
     var u = basis_and_slopes(degrees.x, uv.x);
     var v = basis_and_slopes(degrees.y, uv.y);
     var sum = vec4<f32>(0.0);
-    var index = nets[net].first_point;
     for (var i = 0u; i <= degrees.x; i++) {
         var row = vec4<f32>(0.0);
-        for (var j = 0u; j <= degrees.y; j++) {
-            row += net_points[index] * v.values[j];
-            index += 1u;
+        for (var c = 0u; c <= degrees.y / 4u; c++) {
+            row += four_points(nets[net].first_point + i * (degrees.y + 1u), c, degrees.y) * v.values[c];
         }
-        sum += row * u.values[i];
+        sum += row * u.values[i / 4u][i % 4u];
     }
     return sum.xyz * (1.0 / sum.w);
+}
+
+// The points of a row that belong to chunk `c` of the basis functions.
+fn four_points(first: u32, c: u32, degree: u32) -> mat4x4<f32> {
+    let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degree));
+    return mat4x4<f32>(
+        net_points[first + column.x],
+        net_points[first + column.y],
+        net_points[first + column.z],
+        net_points[first + column.w],
+    );
 }
 
 fn net_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
@@ -334,15 +352,18 @@ fn net_tangents(net: u32, uv: vec2<f32>) -> Tangents {
     var sum = vec4<f32>(0.0);
     var sum_u = vec4<f32>(0.0);
     var sum_v = vec4<f32>(0.0);
-    var index = nets[net].first_point;
     for (var i = 0u; i <= degrees.x; i++) {
-        for (var j = 0u; j <= degrees.y; j++) {
-            let p = net_points[index];
-            index += 1u;
-            sum += p * (u.values[i] * v.values[j]);
-            sum_u += p * (u.slopes[i] * v.values[j]);
-            sum_v += p * (u.values[i] * v.slopes[j]);
+        var row = vec4<f32>(0.0);
+        var row_v = vec4<f32>(0.0);
+        for (var c = 0u; c <= degrees.y / 4u; c++) {
+            let four = four_points(nets[net].first_point + i * (degrees.y + 1u), c, degrees.y);
+            row += four * v.values[c];
+            row_v += four * v.slopes[c];
         }
+        let value = u.values[i / 4u][i % 4u];
+        sum += row * value;
+        sum_u += row * u.slopes[i / 4u][i % 4u];
+        sum_v += row_v * value;
     }
     let point = sum.xyz * (1.0 / sum.w);
     return Tangents(sum_u.xyz - point * sum_u.w, sum_v.xyz - point * sum_v.w);

@@ -97,7 +97,7 @@ fn openness(
     if seen.count == 0u {
         return 1.0;
     }
-    let blocked = 1.0 - clamp(from_anchor(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
+    let blocked = 1.0 - clamp(beyond(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
     return 1.0 - blocked * blocked;
 }
 

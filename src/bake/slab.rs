@@ -110,12 +110,25 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         }
         distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
     } else if pole.is_none() {
-        split_axis = usize::from(length_v > length_u);
+        // Slender, or closed in itself: the mean tangent of a closed direction vanishes, but its polygon does not.
+        split_axis = usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
     }
     if let Some(axis) = weight_axis(patch) {
         (distortion, split_axis) = (distortion.max(1.0), axis);
     }
     Fit { tangents, is_skew, distortion, split_axis, size }
+}
+
+/// The length of the control polygons along an axis, all together, for comparing one axis with the other: divided by their number.
+fn polygon_length(patch: &BezierPatch, cartesian: &[DVec3], axis: usize) -> f64 {
+    let [p, q] = patch.degrees;
+    let step = if axis == 0 { q + 1 } else { 1 };
+    let continues = |index: usize| if axis == 0 { index / (q + 1) < p } else { index % (q + 1) < q };
+    let total: f64 = (0..cartesian.len())
+        .filter(|&index| continues(index))
+        .map(|index| cartesian[index].distance(cartesian[index + step]))
+        .sum();
+    total / (patch.degrees[1 - axis] + 1) as f64
 }
 
 /// The axis that leads to a pole: 0 where a side u = const is a point.
