@@ -17,6 +17,7 @@ mod iso;
 mod join;
 mod knots;
 mod offset;
+mod recognise;
 mod surface;
 pub mod to_bspline;
 
@@ -31,6 +32,7 @@ pub use iso::iso_curve;
 pub use join::join_curves;
 pub use knots::{KnotError, KnotVector};
 pub use offset::{Offset, offset_surface};
+pub use recognise::recognise;
 pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};
 
 #[cfg(test)]
