@@ -38,8 +38,11 @@ fn render_sample(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= parameters.pixel_count {
         return;
     }
-    let pixel = parameters.first_pixel + id.x;
-    let corner = vec2<f32>(f32(pixel % parameters.camera.width), f32(pixel / parameters.camera.width));
+    let index = parameters.first_pixel + id.x;
+    let x = index % parameters.camera.width;
+    let y = index / parameters.camera.width;
+    let pixel = pixel_key(x, y);
+    let corner = vec2<f32>(f32(x), f32(y));
     let place = corner + sample_offset(pixel, parameters.sample_index, parameters.samples);
     let ray = pixel_ray(parameters.camera, place.x, place.y);
     var color = vec4<f32>(0.0);
