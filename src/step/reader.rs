@@ -6,6 +6,7 @@ use super::units::Units;
 use super::value::{Entity, Record};
 use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
 use crate::geometry::Surface;
+use glam::DVec3;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
@@ -57,6 +58,8 @@ pub struct Reader<'a> {
     pub surfaces: HashMap<u64, SurfaceUse>,
     /// Faces that the file declares and that are neither imported nor reported yet.
     pub open_faces: HashSet<u64>,
+    /// Surfaces without topology that were counted as faces.
+    pub loose_surfaces: HashSet<u64>,
     /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
     /// list that many entities share is copied for each, and a hostile file would make that quadratic.
     budget: Cell<usize>,
@@ -78,6 +81,7 @@ impl<'a> Reader<'a> {
             poly_edges: HashMap::new(),
             surfaces: HashMap::new(),
             open_faces: HashSet::new(),
+            loose_surfaces: HashSet::new(),
             taken_bodies: HashSet::new(),
         }
     }
@@ -96,6 +100,12 @@ impl<'a> Reader<'a> {
                 .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
+    }
+
+    /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.
+    pub fn plain_triple(&self, id: u64, keyword: &str) -> Option<DVec3> {
+        let body = self.index.find(id)?.body.clone();
+        decode::triple(self.index.bytes, body, keyword.as_bytes()).map(DVec3::from_array)
     }
 
     /// The keyword of entity `id` in upper case; empty where it is complex or missing.
