@@ -265,16 +265,26 @@ fn hits_are_compared_as_sets_within_the_tolerance() {
 /// Differences of channels up to this are no outliers.
 const THRESHOLD: u8 = 6;
 
-fn picture(fixture: &Fixture, device: &str, folder: &Path) -> Result<(Picture, PathBuf), String> {
-    let file = folder.join(format!("{}.png", fixture.name));
+/// Resolution and samples of a golden picture, and of one that a software driver of a GPU renders in seconds.
+const GOLDEN: [&str; 2] = ["--resolution=320,240", "--samples=4"];
+#[cfg(feature = "gpu")]
+const SMALL: [&str; 2] = ["--resolution=112,84", "--samples=2"];
+
+fn picture(
+    fixture: &Fixture,
+    [resolution, samples]: [&str; 2],
+    device: &str,
+    folder: &Path,
+) -> Result<(Picture, PathBuf), String> {
+    let file = folder.join(format!("{}-{device}.png", fixture.name));
     let direction = fixture.described.camera.direction.map(|c| c.to_string()).join(",");
     trimray(&[
         &"render",
         &fixture.model(),
         &"-o",
         &file,
-        &"--resolution=320,240",
-        &"--samples=4",
+        &resolution,
+        &samples,
         &format!("--camera-direction={direction}"),
         &format!("--device={device}"),
     ])?;
@@ -285,7 +295,11 @@ fn picture(fixture: &Fixture, device: &str, folder: &Path) -> Result<(Picture, P
 /// How far `picture` is from the golden one; an error where it is too far.
 fn check_picture(fixture: &Fixture, picture: &Picture) -> Result<String, String> {
     let golden = read_png(&fixture.folder.join("golden.png")).map_err(|e| e.to_string())?;
-    let difference = compare(picture, &golden, THRESHOLD).map_err(|e| e.to_string())?;
+    check_alike(fixture, picture, &golden)
+}
+
+fn check_alike(fixture: &Fixture, picture: &Picture, expected: &Picture) -> Result<String, String> {
+    let difference = compare(picture, expected, THRESHOLD).map_err(|e| e.to_string())?;
     let found = format!("{:.3} % outliers, mean {:.3}", difference.outliers * 100.0, difference.mean);
     ensure!(difference.outliers <= fixture.described.tolerance.outliers, "{found}");
     Ok(found)
@@ -295,7 +309,7 @@ fn check_picture(fixture: &Fixture, picture: &Picture) -> Result<String, String>
 fn pictures_of_the_cpu_are_golden() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     check_all("CPU pictures", |fixture| {
-        let (picture, file) = picture(fixture, "cpu", folder.path())?;
+        let (picture, file) = picture(fixture, GOLDEN, "cpu", folder.path())?;
         let colors: std::collections::HashSet<_> = picture.pixels.iter().collect();
         ensure!(colors.len() > 20, "only {} colours: nothing is shown", colors.len());
         if std::env::var_os("TRIMRAY_BLESS").is_some() {
@@ -307,16 +321,19 @@ fn pictures_of_the_cpu_are_golden() {
 
 #[test]
 #[cfg(feature = "gpu")]
-fn pictures_of_the_gpu_are_golden_too() {
+fn pictures_of_the_gpu_are_those_of_the_cpu() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let required = std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1");
-    if let Err(reason) = picture(&fixtures()[0], "gpu", folder.path())
+    if let Err(reason) = picture(&fixtures()[0], SMALL, "gpu", folder.path())
         && !required
     {
         println!("skipped, REQUIRE_GPU=1 would make it an error: {reason}");
         return;
     }
-    check_all("GPU pictures", |fixture| check_picture(fixture, &picture(fixture, "gpu", folder.path())?.0));
+    check_all("GPU pictures", |fixture| {
+        let [on_gpu, on_cpu] = ["gpu", "cpu"].map(|device| picture(fixture, SMALL, device, folder.path()));
+        check_alike(fixture, &on_gpu?.0, &on_cpu?.0)
+    });
 }
 
 #[test]
