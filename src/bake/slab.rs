@@ -80,10 +80,21 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         .fold(0.0, f64::max)
         * (p * q) as f64
         * 0.25;
+    // Lengths along the net, not from end to end: a closed patch ends where it starts.
+    let way = |along: usize| {
+        let (di, dj) = if along == 0 { (1, 0) } else { (0, 1) };
+        (0..=p - di)
+            .flat_map(|i| (0..=q - dj).map(move |j| (i, j)))
+            .map(|(i, j)| at(i + di, j + dj).distance(at(i, j)))
+            .sum::<f64>()
+            / (patch.degrees[1 - along] + 1) as f64
+    };
+    let longer = usize::from(way(1) > way(0));
     let mut split_axis = usize::from(bend_v > bend_u);
     let pole = pole_axis(patch, &cartesian);
-    if pole.is_none() && twist > bend_u.max(bend_v) {
-        split_axis = usize::from(length_v > length_u);
+    let is_straight = bend_u.max(bend_v) <= size * MIN_TANGENT;
+    if pole.is_none() && (twist > bend_u.max(bend_v) || is_straight) {
+        split_axis = longer;
     }
 
     let sine = mean_u.cross(mean_v).length();
@@ -109,8 +120,6 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
             worst[1 - axis] = (worst[1 - axis] - 0.5).max(0.0);
         }
         distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
-    } else if pole.is_none() {
-        split_axis = usize::from(length_v > length_u);
     }
     if let Some(axis) = weight_axis(patch) {
         (distortion, split_axis) = (distortion.max(1.0), axis);
