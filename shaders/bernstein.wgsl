@@ -1,35 +1,49 @@
 // Bernstein basis functions and the nets that they weigh; the twin of render/cpu/bernstein.rs.
+//
+// Here by powers, `B_i = binomial(m, i) tⁱ (1−t)^(m−i)`, of the next lower degree m, and in fours: a few loop turns instead of the
+// triangle's m²/2. Some drivers end a kernel's loops after a number of turns, and all are faster with fewer. Terms beyond the degree are 0.
 
-const MAX_ORDER: u32 = MAX_NET_DEGREE + 1u;
+const CHUNKS: u32 = (MAX_NET_DEGREE + 4u) / 4u;
 
 struct Basis {
-    values: array<f32, MAX_ORDER>,
-    slopes: array<f32, MAX_ORDER>,
+    values: array<vec4<f32>, CHUNKS>,
+    slopes: array<vec4<f32>, CHUNKS>,
 }
 
 fn basis_and_slopes(degree: u32, t: f32) -> Basis {
     var result: Basis;
     let s = 1.0 - t;
-    result.values[0] = 1.0;
-    for (var n = 1u; n < degree; n++) {
-        var left = 0.0;
-        for (var i = 0u; i < n; i++) {
-            let value = result.values[i];
-            result.values[i] = left + s * value;
-            left = t * value;
-        }
-        result.values[n] = left;
+    let chunks = degree / 4u + 1u;
+    let m = f32(degree) - 1.0;
+    // binomial(m, i) tⁱ, each from the one before; 0 from i = m + 1 on.
+    var term = 1.0;
+    for (var c = 0u; c < chunks; c++) {
+        let i = f32(4u * c);
+        let x = term;
+        let y = x * t * ((m - i) / (i + 1.0));
+        let z = y * t * ((m - i - 1.0) / (i + 2.0));
+        let w = z * t * ((m - i - 2.0) / (i + 3.0));
+        term = w * t * ((m - i - 3.0) / (i + 4.0));
+        result.values[c] = vec4<f32>(x, y, z, w);
     }
-    let factor = f32(degree);
+    // Times (1−t)^(m−i), from i = m down.
+    var power = 1.0;
+    for (var c = chunks; c > 0u; c--) {
+        let i = f32(4u * (c - 1u));
+        let w = power;
+        let z = select(w, w * s, i + 3.0 <= m);
+        let y = select(z, z * s, i + 2.0 <= m);
+        let x = select(y, y * s, i + 1.0 <= m);
+        power = select(x, x * s, i <= m);
+        result.values[c - 1u] *= vec4<f32>(x, y, z, w);
+    }
     var before = 0.0;
-    for (var i = 0u; i <= degree; i++) {
-        var value = 0.0;
-        if i < degree {
-            value = result.values[i];
-        }
-        result.slopes[i] = factor * (before - value);
-        result.values[i] = t * before + s * value;
-        before = value;
+    for (var c = 0u; c < chunks; c++) {
+        let lower = result.values[c];
+        let shifted = vec4<f32>(before, lower.xyz);
+        result.slopes[c] = f32(degree) * (shifted - lower);
+        result.values[c] = t * shifted + s * lower;
+        before = lower.w;
     }
     return result;
 }
@@ -48,22 +62,36 @@ fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     let degrees = net_degrees(net);
     var u = basis_and_slopes(degrees.x, uv.x);
     var v = basis_and_slopes(degrees.y, uv.y);
-    let shift = vec4<f32>(about, 0.0);
     var jet: NetJet;
-    var index = nets[net].first_point;
     for (var i = 0u; i <= degrees.x; i++) {
+        let first = nets[net].first_point + i * (degrees.y + 1u);
         var row = vec4<f32>(0.0);
         var row_v = vec4<f32>(0.0);
-        for (var j = 0u; j <= degrees.y; j++) {
-            let p = net_points[index];
-            index += 1u;
-            let moved = p - shift * p.w;
-            row += moved * v.values[j];
-            row_v += moved * v.slopes[j];
+        for (var c = 0u; c <= degrees.y / 4u; c++) {
+            let four = four_points(first, c, degrees.y, about);
+            row += four * v.values[c];
+            row_v += four * v.slopes[c];
         }
-        jet.value += row * u.values[i];
-        jet.by_u += row * u.slopes[i];
-        jet.by_v += row_v * u.values[i];
+        let value = u.values[i / 4u][i % 4u];
+        jet.value += row * value;
+        jet.by_u += row * u.slopes[i / 4u][i % 4u];
+        jet.by_v += row_v * value;
     }
     return jet;
+}
+
+// The points of a row that belong to chunk `c` of the basis functions; those beyond the row meet basis functions that are 0.
+fn four_points(first: u32, c: u32, degree: u32, about: vec3<f32>) -> mat4x4<f32> {
+    let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degree));
+    return mat4x4<f32>(
+        moved_point(first + column.x, about),
+        moved_point(first + column.y, about),
+        moved_point(first + column.z, about),
+        moved_point(first + column.w, about),
+    );
+}
+
+fn moved_point(index: u32, about: vec3<f32>) -> vec4<f32> {
+    let p = net_points[index];
+    return vec4<f32>(p.xyz - about * p.w, p.w);
 }

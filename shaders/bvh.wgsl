@@ -98,16 +98,14 @@ fn intersect_node(index: u32, ray: BvhRay, near: f32, far: f32) -> u32 {
             min(vec4<f32>(far), vec4<f32>(unpack4xU8(x_high[half])) * x.z + x.y),
             min(vec4<f32>(unpack4xU8(y_high[half])) * y.z + y.y, vec4<f32>(unpack4xU8(z_high[half])) * z.z + z.y),
         );
-        for (var lane = 0u; lane < 4u; lane++) {
-            let child_meta = metas[lane];
-            if child_meta != 0u && enter[lane] <= leave[lane] {
-                if ((imask >> (4u * half + lane)) & 1u) == 1u {
-                    hits |= 1u << (24u + ((child_meta & 7u) ^ ray.octant));
-                } else {
-                    hits |= (child_meta >> 5u) << (child_meta & 31u);
-                }
-            }
-        }
+        let inner = ((vec4<u32>(imask >> (4u * half)) >> vec4<u32>(0u, 1u, 2u, 3u)) & vec4<u32>(1u)) == vec4<u32>(1u);
+        let bits = select(
+            (metas >> vec4<u32>(5u)) << (metas & vec4<u32>(31u)),
+            vec4<u32>(1u) << (vec4<u32>(24u) + ((metas & vec4<u32>(7u)) ^ vec4<u32>(ray.octant))),
+            inner,
+        );
+        let met = select(vec4<u32>(0u), bits, (metas != vec4<u32>(0u)) & (enter <= leave));
+        hits |= met.x | met.y | met.z | met.w;
     }
     return hits;
 }

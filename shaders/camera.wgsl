@@ -61,6 +61,10 @@ fn pixel_ray(camera: Camera, x: f32, y: f32) -> PixelRay {
     return result;
 }
 
+fn pixel_key(x: u32, y: u32) -> u32 {
+    return (x & 0xffffu) | (y << 16u);
+}
+
 fn sample_offset(pixel: u32, index: u32, count: u32) -> vec2<f32> {
     if count <= 1u {
         return vec2<f32>(0.5);

@@ -35,7 +35,7 @@ fn minus(a: Distance, b: Distance) -> f32 {
     return (a.anchor - b.anchor) + (a.offset - b.offset);
 }
 
-fn from_anchor(distance: Distance, anchor: f32) -> f32 {
+fn beyond(distance: Distance, anchor: f32) -> f32 {
     return (distance.anchor - anchor) + distance.offset;
 }
 

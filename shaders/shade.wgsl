@@ -97,13 +97,15 @@ fn openness(
     if seen.count == 0u {
         return 1.0;
     }
-    let blocked = 1.0 - clamp(from_anchor(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
+    let blocked = 1.0 - clamp(beyond(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
     return 1.0 - blocked * blocked;
 }
 
 fn sky_sample(pixel: u32, sample_index: u32) -> vec2<f32> {
-    let a = hash(pixel, 0u, 2u) + sample_index * 0xc13fa9a9u;
-    let b = hash(pixel, 0u, 3u) + sample_index * 0x91e10da5u;
+    let x = pixel & 0xffffu;
+    let y = pixel >> 16u;
+    let a = x * 0xdb4f0b91u + y * 0xbbe05633u + sample_index * 0xc13fa9a9u;
+    let b = x * 0xa0f2ec75u + y * 0x89e18285u + sample_index * 0x91e10da5u;
     return vec2<f32>(unit(a), unit(b));
 }
 

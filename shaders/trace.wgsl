@@ -57,7 +57,7 @@ fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
     let top = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
     var placements = start_walk(header.first_node, header.node_count, 0u);
     loop {
-        let instance = next_primitive(&placements, top, from_anchor(near, 0.0), from_anchor((*collected).far, 0.0));
+        let instance = next_primitive(&placements, top, beyond(near, 0.0), beyond((*collected).far, 0.0));
         if instance == NO_PRIMITIVE {
             return;
         }
@@ -73,8 +73,8 @@ fn trace_part(ray: PartRay, instance: u32, near: Distance, collected: ptr<functi
     let boxes = bvh_ray(ray.near_origin, ray.direction);
     var walk = start_walk(part.first_node, part.node_count, part.first_primitive);
     loop {
-        let nearest = from_anchor(near, ray.near_anchor);
-        let word = next_primitive(&walk, boxes, nearest, from_anchor((*collected).far, ray.near_anchor));
+        let nearest = beyond(near, ray.near_anchor);
+        let word = next_primitive(&walk, boxes, nearest, beyond((*collected).far, ray.near_anchor));
         if word == NO_PRIMITIVE {
             return;
         }
@@ -119,7 +119,7 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
     let face = nets[net].face;
     let ray = approach_point(part_ray, face, net_leaves[index].center);
     let domain = leaf_domain(index);
-    var roots = leaf_roots(index, ray, from_anchor(near, ray.anchor), from_anchor((*collected).far, ray.anchor));
+    var roots = leaf_roots(index, ray, beyond(near, ray.anchor), beyond((*collected).far, ray.anchor));
     for (var i = 0u; i < roots.count; i++) {
         let root = roots.root[i];
         let distance = Distance(ray.anchor, root.t);

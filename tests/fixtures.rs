@@ -65,17 +65,9 @@ struct Fixture {
     described: Described,
 }
 
-/// Surfaces that are refused so far: their faces are dropped, with a reason.
-const UNSUPPORTED: &[&str] = &["offset"];
-
 impl Fixture {
     fn model(&self) -> PathBuf {
         self.folder.join("model.step")
-    }
-
-    /// Faces that cannot be imported yet.
-    fn unsupported_faces(&self) -> u64 {
-        UNSUPPORTED.iter().filter_map(|kind| self.described.expect.surfaces.get(*kind)).sum()
     }
 }
 
@@ -140,18 +132,13 @@ fn counts_and_sizes_are_those_of_the_exporter() {
         let output = trimray(&[&"info", &"--json", &fixture.model()])?;
         let info: Value = serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
         let expected = &fixture.described.expect;
-        let unsupported = fixture.unsupported_faces();
         for (what, found, wanted) in [
             ("unit", &info["unit"], Value::from(expected.unit.as_str())),
             ("solids", &info["solids"], expected.solids.into()),
             ("declared faces", &info["faces"]["declared"], expected.faces.into()),
-            ("dropped faces", &info["faces"]["dropped"], unsupported.into()),
-            ("baked faces", &info["faces"]["baked"], (expected.faces - unsupported).into()),
-            (
-                "face occurrences",
-                &info["faces"]["occurrences"],
-                (expected.face_occurrences - unsupported).into(),
-            ),
+            ("dropped faces", &info["faces"]["dropped"], 0.into()),
+            ("baked faces", &info["faces"]["baked"], expected.faces.into()),
+            ("face occurrences", &info["faces"]["occurrences"], expected.face_occurrences.into()),
             ("parts", &list(&info["parts"]).len().into(), expected.parts.into()),
             ("instances", &list(&info["instances"]).len().into(), expected.instances.into()),
         ] {
@@ -177,11 +164,7 @@ fn check_kinds(found: &Value, surfaces: &BTreeMap<String, u64>) -> Result<(), St
         total += count;
     }
     total += found["nets"].as_u64().unwrap_or(0);
-    let declared: u64 = surfaces
-        .iter()
-        .filter(|(kind, _)| !UNSUPPORTED.contains(&kind.as_str()))
-        .map(|(_, count)| count)
-        .sum();
+    let declared: u64 = surfaces.values().sum();
     ensure!(total == declared, "{total} faces of known kinds, expected {declared}");
     Ok(())
 }
@@ -208,12 +191,7 @@ const AGREEING: f64 = 0.99;
 
 #[test]
 fn rays_hit_where_another_kernel_says() {
-    check_all("hits", |fixture| {
-        if fixture.unsupported_faces() > 0 {
-            return Ok("left out: it has faces that are not supported".into());
-        }
-        check_hits(fixture, "model.step")
-    });
+    check_all("hits", |fixture| check_hits(fixture, "model.step"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use naga::{Module, TypeInner};
 use std::mem::{offset_of, size_of};
-use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, source};
+use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, counting_source, source};
 use trimray::scene;
 
 /// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high.
@@ -132,6 +132,9 @@ fn bvh_node_agrees() {
 fn kernels_validate() {
     for entry in Entry::ALL {
         for specialisation in &SPECIALISATIONS {
+            let text = counting_source(entry, specialisation, 1);
+            naga::front::wgsl::parse_str(&text)
+                .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
             let module = parse(entry, specialisation);
             naga::valid::Validator::new(
                 naga::valid::ValidationFlags::all(),
@@ -145,8 +148,17 @@ fn kernels_validate() {
 }
 
 /// What only the shaders need: tests that the twin writes in place, reads of arrays by index, and what WGSL's built-ins do not give.
-const WITHOUT_TWIN: [&str; 7] =
-    ["is_between", "apply_axes", "trim_point", "real_atan2", "real_sin_cos", "is_finite", "signum"];
+const WITHOUT_TWIN: [&str; 9] = [
+    "is_between",
+    "apply_axes",
+    "trim_point",
+    "plane_terms",
+    "four_points",
+    "real_atan2",
+    "real_sin_cos",
+    "is_finite",
+    "signum",
+];
 
 /// A file's functions stand in the Rust file of the same stem, but for the methods that became functions.
 #[test]

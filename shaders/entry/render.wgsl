@@ -16,7 +16,9 @@ struct Center {
     // 1 + index; 0 where nothing is hit.
     instance: u32,
     face: u32,
-    reserved: vec2<u32>,
+    // 1 where any of the pixel's kernels ran out of loop turns.
+    incomplete: u32,
+    reserved: u32,
 }
 
 @group(1) @binding(0) var<uniform> parameters: RenderParameters;
@@ -36,8 +38,11 @@ fn render_sample(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= parameters.pixel_count {
         return;
     }
-    let pixel = parameters.first_pixel + id.x;
-    let corner = vec2<f32>(f32(pixel % parameters.camera.width), f32(pixel / parameters.camera.width));
+    let index = parameters.first_pixel + id.x;
+    let x = index % parameters.camera.width;
+    let y = index / parameters.camera.width;
+    let pixel = pixel_key(x, y);
+    let corner = vec2<f32>(f32(x), f32(y));
     let place = corner + sample_offset(pixel, parameters.sample_index, parameters.samples);
     let ray = pixel_ray(parameters.camera, place.x, place.y);
     var color = vec4<f32>(0.0);
@@ -45,6 +50,9 @@ fn render_sample(@builtin(global_invocation_id) id: vec3<u32>) {
         color = shade_layers(parameters.lights, ray, pixel, parameters.sample_index);
     }
     colors[id.x] += color;
+    if turns > MOST_TURNS {
+        centers[id.x].incomplete = 1u;
+    }
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -67,5 +75,6 @@ fn render_center(@builtin(global_invocation_id) id: vec3<u32>) {
             center.face = seen.hit.face + 1u;
         }
     }
+    center.incomplete = centers[id.x].incomplete | u32(turns > MOST_TURNS);
     centers[id.x] = center;
 }

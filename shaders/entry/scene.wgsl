@@ -1,5 +1,8 @@
 // The arrays of a scene, in the order of SCENE_BINDINGS in render/gpu/buffers.rs.
 
+// Turns of all loops so far, counted on software devices alone; render/gpu/kernels.rs says why.
+var<private> turns: u32;
+
 @group(0) @binding(0) var<storage, read> bvh_nodes: array<BvhNode>;
 @group(0) @binding(1) var<storage, read> primitives: array<u32>;
 @group(0) @binding(2) var<storage, read> instances: array<Instance>;

@@ -150,7 +150,7 @@ pub(super) fn leaves(
             splitting.push(Leaf { patch, fit, level, index, side, views, age });
         }
     }
-    done.sort_by(|a, b| position(a).cmp(&position(b)));
+    done.sort_by_key(position);
     (done, left_out)
 }
 

@@ -92,7 +92,7 @@ pub(super) fn outward(bounds: Aabb, margin: f64) -> Option<[[f32; 3]; 2]> {
 /// The least multiple of 1/64 in 0..=254 that is not below `bound`, in units of 1/64; 255 where there is none.
 pub(super) fn bound_byte(bound: f64) -> u32 {
     let units = (bound * 64.0).ceil();
-    if units >= 0.0 && units <= 254.0 { units as u32 } else { 255 }
+    if (0.0..=254.0).contains(&units) { units as u32 } else { 255 }
 }
 
 #[cfg(test)]

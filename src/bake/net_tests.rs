@@ -212,3 +212,14 @@ fn degenerate_surfaces_do_not_fail() {
         check_leaves(surface, &nets, origin, outline.window);
     }
 }
+
+#[test]
+fn a_net_that_closes_in_one_span_is_split_around() {
+    // A tube of revolution whose circle is one span of degree 6: the mean tangent around it vanishes.
+    let circle: Vec<glam::DVec2> =
+        (0..=6).map(|i| glam::DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 6.0) * 10.0).collect();
+    let points =
+        [0.0, 3.0].iter().flat_map(|&z| circle.iter().map(move |c| c.extend(z).extend(1.0))).collect();
+    let patch = crate::geometry::BezierPatch { degrees: [1, 6], points };
+    assert_eq!(super::slab::fit(&patch).split_axis, 1);
+}

@@ -137,7 +137,7 @@ impl Region {
             }
         };
         let [least, greatest] = piece.range(other);
-        (t, (found as f32).clamp(least, greatest))
+        (t, single(found).clamp(least, greatest))
     }
 
     /// The parts of `piece` below and above `value` along `axis`, sharing their vertex at exactly `value`; points are left out.
@@ -194,7 +194,12 @@ fn normalised(curve: &Bezier<Homogeneous2>, low: DVec2, scale: DVec2) -> Bezier<
 
 /// The f32 vertex of an end point, held to the window.
 fn vertex(point: Homogeneous2) -> [f32; 2] {
-    point.point().as_vec2().to_array().map(|x| if x > 0.0 { x.min(1.0) } else { 0.0 })
+    point.point().to_array().map(|x| single(x.clamp(0.0, 1.0)))
+}
+
+/// A coordinate of the window in f32, a multiple of 2⁻⁵²: processors that flush subnormal numbers to zero would move a lesser one.
+fn single(x: f64) -> f32 {
+    ((x + 1.0) - 1.0) as f32
 }
 
 /// Whether the control points lie on the chord.

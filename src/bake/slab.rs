@@ -80,21 +80,11 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         .fold(0.0, f64::max)
         * (p * q) as f64
         * 0.25;
-    // Lengths along the net, not from end to end: a closed patch ends where it starts.
-    let way = |along: usize| {
-        let (di, dj) = if along == 0 { (1, 0) } else { (0, 1) };
-        (0..=p - di)
-            .flat_map(|i| (0..=q - dj).map(move |j| (i, j)))
-            .map(|(i, j)| at(i + di, j + dj).distance(at(i, j)))
-            .sum::<f64>()
-            / (patch.degrees[1 - along] + 1) as f64
-    };
-    let longer = usize::from(way(1) > way(0));
     let mut split_axis = usize::from(bend_v > bend_u);
     let pole = pole_axis(patch, &cartesian);
-    let is_straight = bend_u.max(bend_v) <= size * MIN_TANGENT;
-    if pole.is_none() && (twist > bend_u.max(bend_v) || is_straight) {
-        split_axis = longer;
+    let longer = || usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
+    if pole.is_none() && twist > bend_u.max(bend_v) {
+        split_axis = longer();
     }
 
     let sine = mean_u.cross(mean_v).length();
@@ -120,11 +110,26 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
             worst[1 - axis] = (worst[1 - axis] - 0.5).max(0.0);
         }
         distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
+    } else if pole.is_none() {
+        // Slender, or closed in itself: the mean tangent of a closed direction vanishes, but its polygon does not.
+        split_axis = longer();
     }
     if let Some(axis) = weight_axis(patch) {
         (distortion, split_axis) = (distortion.max(1.0), axis);
     }
     Fit { tangents, is_skew, distortion, split_axis, size }
+}
+
+/// The length of the control polygons along an axis, all together, for comparing one axis with the other: divided by their number.
+fn polygon_length(patch: &BezierPatch, cartesian: &[DVec3], axis: usize) -> f64 {
+    let [p, q] = patch.degrees;
+    let step = if axis == 0 { q + 1 } else { 1 };
+    let continues = |index: usize| if axis == 0 { index / (q + 1) < p } else { index % (q + 1) < q };
+    let total: f64 = (0..cartesian.len())
+        .filter(|&index| continues(index))
+        .map(|index| cartesian[index].distance(cartesian[index + step]))
+        .sum();
+    total / (patch.degrees[1 - axis] + 1) as f64
 }
 
 /// The axis that leads to a pole: 0 where a side u = const is a point.

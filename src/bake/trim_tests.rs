@@ -97,6 +97,8 @@ fn check(name: &str, loops: Vec<Loop>, points: usize) {
             let segment = tree.segments[i % tree.segments.len()];
             point[i / 3 % 2] = if i % 2 == 0 { segment.low } else { segment.high }[i / 3 % 2];
         }
+        // Walks end below the top edge.
+        point[1] = point[1].min(1.0 - f32::EPSILON);
         let at = DVec2::new(f64::from(point[0]), f64::from(point[1]));
         let (expected, distance) = reference(&trim, at);
         if distance > 1e-6 {
@@ -177,6 +179,25 @@ fn slivers_and_crossings() {
     check("bow tie", vec![polygon(&[p(0.0, 0.0), p(1.0, 1.0), p(1.0, 0.0), p(0.0, 1.0)])], 3000);
     check("overlapping circles", vec![circle(p(0.0, 0.0), 1.0), circle(p(1.0, 0.0), 1.0)], 1500);
     check("touching circles", vec![circle(p(0.0, 0.0), 1.0), circle(p(2.0, 0.0), 1.0)], 1500);
+}
+
+#[test]
+fn corners_beside_planes_by_a_rounding() {
+    let p = |x: f64, y: f64| DVec2::new(x, y);
+    // The bottom edge is so nearly level that clipping it rounds onto the window's border.
+    let tilt = f64::EPSILON;
+    check("tilted", vec![polygon(&[p(0.0, tilt), p(0.9, 0.0), p(1.0, 0.5), p(0.9, 1.0), p(0.0, 1.0)])], 3000);
+    let mut random = Random(11);
+    for _ in 0..100 {
+        let mut nearly = || {
+            let eighth = ((random.next() * 9.0).floor() / 8.0) as f32;
+            let off = ((random.next() * 5.0).floor() - 2.0) as f32 * f32::EPSILON * 0.25;
+            f64::from((eighth + off).clamp(0.0, 1.0))
+        };
+        let mut corners: Vec<DVec2> = (0..12).map(|_| p(nearly(), nearly())).collect();
+        corners.extend([p(0.0, 0.0), p(1.0, 1.0)]);
+        check("near planes", vec![polygon(&corners)], 150);
+    }
 }
 
 #[test]

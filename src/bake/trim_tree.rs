@@ -4,7 +4,7 @@
 //! ε ≪ δ. A query walks up just inside the left edge, meeting the pieces that leave through it, and then right, meeting the pieces that pass left of the
 //! point (`scene::TrimSegment`). Moving from a cell to its right child at u = s, only pieces that touch the bottom edge at or left of s can matter; moving to
 //! the upper child at v = s, only pieces that end on the left edge at or below s, and pieces that start exactly at the new corner. All
-//! of these are comparisons of shared f32 vertices, so states are as exact as the chains are closed.
+//! of these are comparisons of shared f32 vertices, those that the clip at s makes among them, so states are as exact as the chains are closed.
 //!
 //! Some pieces need no storage: those along a cell's edges (on the left edge one is left of every point and of the walk, on the right edge right of
 //! every point; the walk starts above the bottom edge and ends below the top edge) and, in leaves, horizontals that do not start on the left edge,
@@ -117,7 +117,6 @@ impl Builder<'_> {
             pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
-        let far_inside = state_beyond(&cell, &pieces, inside, axis, position, self.region);
         let mut near = Vec::new();
         let mut far = Vec::new();
         for piece in &pieces {
@@ -136,6 +135,7 @@ impl Builder<'_> {
         };
         let (mut near_cell, far_cell) = (child(false), child(true));
         near_cell.high[axis] = position;
+        let far_inside = state_beyond(cell.low, far_cell.low, inside, near.iter().chain(&far));
 
         let word = self.tree.nodes.len();
         self.tree.nodes.push(0);
@@ -188,31 +188,20 @@ fn tidy(cell: &Cell, pieces: &mut Vec<Piece>) {
     pieces.retain(|piece| !on_edge(piece, 0) && !on_edge(piece, 1));
 }
 
-/// The state of the lower left corner of the upper or right child.
-fn state_beyond(
-    cell: &Cell,
-    pieces: &[Piece],
+/// The state of the lower left corner, `corner`, of the upper or right child of a cell that starts at `low`.
+///
+/// `pieces` are those of both children, already clipped: a vertex that clipping rounds onto the bottom edge makes its piece pass on the other side of the
+/// corner.
+fn state_beyond<'a>(
+    low: [f32; 2],
+    corner: [f32; 2],
     inside: bool,
-    axis: usize,
-    position: f32,
-    region: &Region,
+    pieces: impl Iterator<Item = &'a Piece>,
 ) -> bool {
-    let (left, bottom) = (cell.low[0], cell.low[1]);
-    pieces.iter().fold(inside, |state, piece| {
-        let (passes, height) = if axis == 0 {
-            // At the new corner (position, bottom): pieces reach the bottom edge only with their low end.
-            let rises = piece.low[1] == bottom && piece.high[1] > bottom;
-            (rises && piece.low[0] <= position, bottom)
-        } else {
-            // At the new corner (left, position).
-            let spans = piece.low[1] <= position && position < piece.high[1];
-            let at = || match region.clip(piece, 1, position)[1] {
-                Some(above) => above.low[0],
-                None => piece.high[0],
-            };
-            (spans && at() <= left, position)
-        };
-        let leaves = |end: [f32; 2]| end[0] == left && end[1] <= height;
+    pieces.fold(inside, |state, piece| {
+        let rises = piece.low[1] == corner[1] && piece.high[1] > corner[1];
+        let passes = rises && piece.low[0] <= corner[0];
+        let leaves = |end: [f32; 2]| end[0] == low[0] && end[1] <= corner[1];
         state ^ passes ^ leaves(piece.low) ^ leaves(piece.high)
     })
 }

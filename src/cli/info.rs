@@ -3,7 +3,7 @@
 use super::args::{General, Info};
 use super::bake::size_text;
 use super::load::{Purpose, load};
-use super::{report, tree, view};
+use super::{report, tree};
 use crate::scene::{FaceKind, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -118,7 +118,7 @@ impl<'a> Summary<'a> {
             });
         let instances = (metadata.instances.iter().zip(scene.instances))
             .map(|(info, instance)| InstanceSummary { path: &info.path, part: instance.part });
-        let bounds = view::bounds(scene.header);
+        let bounds = crate::render::bounds(scene);
         Self {
             file: &metadata.file_name,
             format: &metadata.format,

@@ -15,7 +15,7 @@ use std::time::Instant;
 /// A scene and where it lives.
 pub(super) enum Loaded {
     Baked(Box<SceneBuffers>),
-    Mapped(CacheFile),
+    Mapped(Box<CacheFile>),
 }
 
 impl Loaded {
@@ -47,7 +47,7 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
         let start = Instant::now();
         let file = CacheFile::open(path)?;
         log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
-        Loaded::Mapped(file)
+        Loaded::Mapped(Box::new(file))
     } else {
         Loaded::Baked(Box::new(import_and_bake(path, purpose.keep_f64, general)?))
     };

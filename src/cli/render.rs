@@ -32,7 +32,7 @@ fn render_one(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
-    let camera = view::camera(&command.view, scene.header, command.resolution);
+    let camera = view::camera(&command.view, &scene, command.resolution);
     let options = RenderOptions {
         resolution: command.resolution,
         samples: command.samples,

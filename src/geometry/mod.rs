@@ -10,9 +10,14 @@ mod bounds;
 mod bspline;
 mod curve;
 mod decompose;
+mod fit;
 mod frame;
 mod invert;
+mod iso;
+mod join;
 mod knots;
+mod offset;
+mod recognise;
 mod surface;
 pub mod to_bspline;
 
@@ -20,9 +25,14 @@ pub use bezier::{Bezier, BezierPatch, Homogeneous, Homogeneous2, Homogeneous3};
 pub use bspline::{BsplineCurve, BsplineSurface};
 pub use curve::{Curve, Curve2, CurveDerivatives};
 pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface};
+pub use fit::{Fit, fit_surface};
 pub use frame::Frame;
 pub use invert::{Inversion, invert_curve, invert_surface};
+pub use iso::iso_curve;
+pub use join::join_curves;
 pub use knots::{KnotError, KnotVector};
+pub use offset::{Offset, offset_surface};
+pub use recognise::recognise;
 pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};
 
 #[cfg(test)]

@@ -191,3 +191,23 @@ pub fn revolve(profile: &BsplineCurve<Homogeneous3>, axis: &Frame) -> BsplineSur
     let columns: Vec<_> = profile.points.iter().flat_map(turned).collect();
     BsplineSurface::from_parts(u_knots, profile.knots.clone(), transposed(&columns, CIRCLE.len()))
 }
+
+/// The revolution of `profile` about the z axis of `axis` from angle `range[0]` to a greater `range[1]`: u agrees with the
+/// angle at the ends and at equal parts of the range, v is the profile's parameter.
+pub fn revolve_between(
+    profile: &BsplineCurve<Homogeneous3>,
+    axis: &Frame,
+    range: [f64; 2],
+) -> BsplineSurface {
+    let circle = curve_to_bspline(&Curve::Circle { frame: Frame::IDENTITY, radius: 1.0 }, range);
+    let turned = |on_circle: &Homogeneous3, point: &Homogeneous3| {
+        let local = axis.local_vector(point.truncate() - axis.origin * point.w);
+        let [cos, sin, _, weight] = on_circle.to_array();
+        let (x, y) = (local.x * cos - local.y * sin, local.x * sin + local.y * cos);
+        let weight_here = weight * point.w;
+        (axis.vector(DVec3::new(x, y, local.z * weight)) + axis.origin * weight_here).extend(weight_here)
+    };
+    let points =
+        circle.points.iter().flat_map(|c| profile.points.iter().map(move |p| turned(c, p))).collect();
+    BsplineSurface::from_parts(circle.knots, profile.knots.clone(), points)
+}

@@ -29,7 +29,7 @@ pub fn piece(parameters: &Parameters, form: i32) -> Mapped<(Curve, [f64; 2], [f6
         1 | 2 => false,
         _ => determinant.abs() <= PARABOLIC * size * size,
     };
-    let found = if !(size > 0.0) {
+    let found = if size == 0.0 {
         None
     } else if parabolic {
         conic.parabola()

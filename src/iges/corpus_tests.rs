@@ -32,7 +32,7 @@ fn corpus_is_read_without_loss() {
     let corpus = places.iter().find(|place| place.is_dir()).unwrap_or(&places[0]);
     let files = files_below(corpus);
     if files.is_empty() {
-        println!("skipped: no corpus at {}", corpus.display());
+        eprintln!("skipped: no corpus at {}", corpus.display());
         return;
     }
     for path in files {
@@ -40,14 +40,14 @@ fn corpus_is_read_without_loss() {
         let name = path.strip_prefix(corpus).expect("below the corpus").display().to_string();
         match super::read(&bytes) {
             Ok(model) => {
-                println!("{name}: {} of {} faces", model.faces.len(), model.declared_faces);
+                eprintln!("{name}: {} of {} faces", model.faces.len(), model.declared_faces);
                 for finding in model.diagnostics.iter().filter(|d| d.severity > Severity::Note) {
-                    println!("    {finding}");
+                    eprintln!("    {finding}");
                 }
                 assert_eq!(model.faces.len() + lost(&model), model.declared_faces, "{name}");
                 assert_eq!(lost(&model), 0, "{name}");
             }
-            Err(error) => println!("{name}: {error}"),
+            Err(error) => eprintln!("{name}: {error}"),
         }
     }
 }
@@ -64,7 +64,7 @@ fn fixtures_have_as_many_faces_as_their_step_twins() {
             .split(|b| *b == b'\n')
             .filter(|line| line.windows(14).any(|w| w == b"=ADVANCED_FACE" || w == b"ADVANCED_FACE("))
             .count();
-        println!(
+        eprintln!(
             "{}: {} of {} faces, twin {expected}",
             path.display(),
             model.faces.len(),

@@ -46,6 +46,8 @@ pub struct Directory<'a> {
     /// The first parameter record that points back to an entity, for entries that point to a wrong one.
     first_record: HashMap<u32, u32>,
     delimiters: Delimiters,
+    /// Whether parameters take whole lines and nothing points back.
+    compressed: bool,
     /// Records that may still be decoded.
     left: std::cell::Cell<usize>,
 }
@@ -78,9 +80,20 @@ pub type Mapped<T> = Result<T, Problem>;
 impl<'a> Directory<'a> {
     /// The entities of `cards`.
     pub fn new(cards: &Cards<'a>, delimiters: Delimiters) -> Self {
+        let budget = |records: usize| {
+            std::cell::Cell::new(records.saturating_mul(MOST_READINGS).saturating_add(FREE_RECORDS))
+        };
         if let Some(lines) = &cards.compressed {
-            let unfolded = compressed::unfold(lines, delimiters);
-            return Self::from_parts(unfolded.entries, unfolded.parameters, delimiters, HashMap::new());
+            let compressed::Unfolded { entries, parameters } = compressed::unfold(lines, delimiters);
+            let left = budget(parameters.len());
+            return Self {
+                entries,
+                parameters,
+                first_record: HashMap::new(),
+                delimiters,
+                compressed: true,
+                left,
+            };
         }
         let entries: Vec<Entry> =
             cards.directory.chunks_exact(2).map(|pair| entry(pair[0], pair[1])).collect();
@@ -90,17 +103,9 @@ impl<'a> Directory<'a> {
                 first_record.entry(entity).or_insert(i as u32);
             }
         }
-        Self::from_parts(entries, cards.parameters.clone(), delimiters, first_record)
-    }
-
-    fn from_parts(
-        entries: Vec<Entry>,
-        parameters: Vec<&'a [u8]>,
-        delimiters: Delimiters,
-        first_record: HashMap<u32, u32>,
-    ) -> Self {
-        let left = parameters.len().saturating_mul(MOST_READINGS).saturating_add(FREE_RECORDS);
-        Self { entries, parameters, first_record, delimiters, left: std::cell::Cell::new(left) }
+        let parameters = cards.parameters.clone();
+        let left = budget(parameters.len());
+        Self { entries, parameters, first_record, delimiters, compressed: false, left }
     }
 
     /// How many entities there are.
@@ -116,7 +121,7 @@ impl<'a> Directory<'a> {
     /// The entry with directory number `entity`.
     pub fn entry(&self, entity: u32) -> Mapped<&Entry> {
         let missing = || Problem { entity, kind: 0, reason: "the file has no such entity".into() };
-        if entity % 2 == 0 {
+        if entity.is_multiple_of(2) {
             return Err(missing());
         }
         self.entries.get(entity as usize / 2).ok_or_else(missing)
@@ -133,24 +138,29 @@ impl<'a> Directory<'a> {
         let fail = |reason: &str| Problem { entity, kind: entry.kind, reason: reason.into() };
         let (first, owned) = self.first_record(entity, entry).ok_or_else(|| fail("it has no parameters"))?;
         let given = (entry.records as usize).max(1);
+        let width = if self.compressed { usize::MAX } else { PARAMETER_DATA };
         let mut text = Vec::new();
+        let mut ended = false;
         for (i, card) in self.parameters[first..].iter().enumerate() {
-            // An entity's own records go on as long as they point back to it, whatever the count says.
-            let more = if owned { back_pointer(card) == Some(entity) } else { i < given };
-            if !more {
+            // An entity's own records go on as long as they point back to it, whatever the count says; one that points
+            // elsewhere belongs to it too where the count says so and the record before does not end.
+            let is_own = owned && back_pointer(card) == Some(entity);
+            if !is_own && (i >= given || (owned && ended)) {
                 break;
             }
-            let left = self
-                .left
-                .get()
-                .checked_sub(1)
-                .ok_or_else(|| fail("entities refer to each other too often"))?;
-            self.left.set(left);
-            let data = if self.is_compressed() { card } else { &card[..card.len().min(PARAMETER_DATA)] };
+            let left = self.left.get().checked_sub(1);
+            self.left.set(left.ok_or_else(|| fail("entities refer to each other too often"))?);
+            let mut data = &card[..card.len().min(width)];
             text.extend_from_slice(data);
-            if !self.is_compressed() {
+            if !self.compressed {
                 text.resize(text.len() + PARAMETER_DATA - data.len(), b' ');
+                // Column 65 is blank; some write numbers of 13 columns, five to a record.
+                if card.get(PARAMETER_DATA).is_some_and(|byte| self.delimiters.contains(*byte)) {
+                    data = &card[..=PARAMETER_DATA];
+                    text.push(card[PARAMETER_DATA]);
+                }
             }
+            ended = data.trim_ascii_end().last() == Some(&self.delimiters.record);
         }
         let (values, _) = values(&text, self.delimiters);
         if !matches!(values.first(), Some(Value::Number(kind)) if *kind == f64::from(entry.kind)) {
@@ -159,16 +169,12 @@ impl<'a> Directory<'a> {
         Ok(Parameters { entity, kind: entry.kind, values })
     }
 
-    fn is_compressed(&self) -> bool {
-        self.first_record.is_empty()
-    }
-
     /// The position of the entity's first parameter record, and whether that record points back to the entity.
     fn first_record(&self, entity: u32, entry: &Entry) -> Option<(usize, bool)> {
         let at = (entry.parameters as usize).checked_sub(1).filter(|at| *at < self.parameters.len());
         let back = at.and_then(|at| back_pointer(self.parameters[at]));
         match (at, back) {
-            (Some(at), Some(owner)) if owner == entity && !self.is_compressed() => Some((at, true)),
+            (Some(at), Some(owner)) if owner == entity && !self.compressed => Some((at, true)),
             _ => match self.first_record.get(&entity) {
                 Some(first) => Some((*first as usize, true)),
                 None => at.map(|at| (at, false)),
@@ -283,8 +289,8 @@ impl Entry {
     }
 }
 
-/// The directory number in columns 65 to 72 of a parameter record.
+/// The directory number in columns 66 to 72 of a parameter record.
 fn back_pointer(card: &[u8]) -> Option<u32> {
-    let field = card.get(PARAMETER_DATA..)?.trim_ascii();
+    let field = card.get(PARAMETER_DATA + 1..)?.trim_ascii();
     std::str::from_utf8(field).ok()?.parse().ok()
 }

@@ -46,21 +46,6 @@ pub fn bounds(
     Ok(bounds)
 }
 
-/// Where the first curves of parameter-space curve `entity` start in space.
-pub fn starts(
-    reader: &mut Reader,
-    entity: u32,
-    surface: u32,
-    outer: &DAffine3,
-    most: usize,
-) -> Mapped<Vec<DVec3>> {
-    let used = reader.surface(surface, outer, Form::Bounded)?;
-    let carrier = &reader.model.surfaces[used.id];
-    let pieces = curve::pieces(&reader.file, entity, &DAffine3::IDENTITY)?;
-    let start = |piece: &Piece| carrier.point(used.parameters.apply(piece.ends()[0].truncate()));
-    Ok(pieces.iter().take(most).map(start).collect())
-}
-
 /// The sides of a surface's parameter rectangle, counter-clockwise.
 pub fn sides(surface: &Surface, entity: u32) -> Result<Vec<Bound>, String> {
     let domain = surface.domain();

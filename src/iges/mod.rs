@@ -20,7 +20,6 @@ mod global;
 mod lifted;
 mod placement;
 mod reader;
-mod recognise;
 mod solid;
 mod spans;
 mod style;

@@ -77,8 +77,9 @@ impl<'a> Reader<'a> {
     /// Surface `entity`, placed in `outer`.
     pub fn surface(&mut self, entity: u32, outer: &DAffine3, form: Form) -> Mapped<SurfaceUse> {
         let in_place = *outer == self.unit;
-        // Only swept surfaces have two forms.
-        let form = if matches!(self.file.kind(entity), 120 | 122) { form } else { Form::Bounded };
+        // Only what comes as a B-spline has two forms.
+        let has_two = matches!(self.file.kind(entity), 114 | 118 | 120 | 122 | 128);
+        let form = if has_two { form } else { Form::Bounded };
         if let Some(known) = self.surfaces.get(&(entity, form)).filter(|_| in_place) {
             return Ok(known.clone());
         }

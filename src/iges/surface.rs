@@ -6,12 +6,16 @@ use super::placement::{self, is_similarity};
 use super::reader::Form;
 use super::spans::Span;
 use super::swept;
-use crate::geometry::{BsplineSurface, Frame, Homogeneous, Homogeneous3, Surface};
+use crate::geometry::{BsplineSurface, Frame, Homogeneous, Homogeneous3, Surface, recognise};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The entity types that bound a face without any trim, by their own parameter ranges.
 pub const BOUNDED_KINDS: [u32; 7] = [114, 118, 120, 122, 128, 196, 198];
+
+/// A B-spline is an elementary surface where it is nowhere farther from it than this share of its size. Files keep seven
+/// digits and more.
+const RECOGNISED: f64 = 1e-7;
 
 /// A surface, and how the file's parameters run on it.
 #[derive(Debug, Clone)]
@@ -85,6 +89,17 @@ impl Arc {
 
 /// Surface `entity`, placed in `outer`.
 pub fn sheet(file: &Directory, entity: u32, outer: &DAffine3, form: Form) -> Mapped<Sheet> {
+    let sheet = given(file, entity, outer)?;
+    if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)
+        && let Some((surface, flipped)) = recognise(spline, RECOGNISED * spline.size())
+    {
+        return Ok(Sheet { surface, flipped, parameters: ParameterMap::same() });
+    }
+    Ok(sheet)
+}
+
+/// The surface in the form in which the file gives it.
+fn given(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<Sheet> {
     let entry = *file.entry(entity)?;
     let parameters = file.parameters(entity)?;
     let place = placement::of(file, entity, outer)?;
@@ -92,8 +107,8 @@ pub fn sheet(file: &Directory, entity: u32, outer: &DAffine3, form: Form) -> Map
         108 => plane(&parameters).and_then(|surface| placed(&parameters, surface, &place, DVec2::ONE)),
         114 => parametric(&parameters).and_then(|surface| placed(&parameters, surface, &place, DVec2::ONE)),
         118 => swept::ruled(file, &parameters, &place),
-        120 => swept::revolved(file, &parameters, &place, form),
-        122 => swept::tabulated(file, &parameters, &place, form),
+        120 => swept::revolved(file, &parameters, &place),
+        122 => swept::tabulated(file, &parameters, &place),
         128 => bspline(&parameters).and_then(|surface| placed(&parameters, surface, &place, DVec2::ONE)),
         190 | 192 | 194 | 196 | 198 => {
             let (surface, scale) = elementary(file, &parameters, entry.form == 1, &place)?;

@@ -3,8 +3,6 @@
 
 use super::curve::{pieces, profile};
 use super::directory::{Directory, Mapped, Parameters};
-use super::reader::Form;
-use super::recognise;
 use super::spans::elevated;
 use super::surface::{Arc, ParameterMap, Sheet};
 use crate::geometry::{BsplineCurve, BsplineSurface, Homogeneous, Homogeneous3, KnotError, Surface};
@@ -13,6 +11,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Breakpoints of two curves closer than this, as a share of the whole, are one.
 const SAME_BREAK: f64 = 1e-9;
+
+/// Files write a whole turn with some six digits: 6.28318.
+const WHOLE_TURN: f64 = 2e-5;
 
 fn sheet(
     parameters: &Parameters,
@@ -25,19 +26,13 @@ fn sheet(
 }
 
 /// Entity 122: the directrix, and the point to which its start moves.
-pub fn tabulated(file: &Directory, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
+pub fn tabulated(file: &Directory, parameters: &Parameters, place: &DAffine3) -> Mapped<Sheet> {
     let directrix = parameters.reference(1)?;
     let (curve, spans) = profile(file, directrix, place)?;
     let target = place.transform_point3(parameters.point(2)?);
     let along = target - Homogeneous::point(curve.points[0]);
     if !(along.length() > 0.0 && along.is_finite()) {
         return Err(parameters.problem("the cylinder has no length"));
-    }
-    if form == Form::Recognised
-        && let [piece] = pieces(file, directrix, place)?.as_slice()
-        && let Some(recognised) = recognise::extruded(piece, along)
-    {
-        return Ok(recognised);
     }
     let moved = |p: &Homogeneous3| [*p, *p + (along * p.w).extend(0.0)];
     let points = curve.points.iter().flat_map(moved).collect();
@@ -47,7 +42,7 @@ pub fn tabulated(file: &Directory, parameters: &Parameters, place: &DAffine3, fo
 }
 
 /// Entity 120: the axis (a line), the generatrix, and the angles between which it turns.
-pub fn revolved(file: &Directory, parameters: &Parameters, place: &DAffine3, form: Form) -> Mapped<Sheet> {
+pub fn revolved(file: &Directory, parameters: &Parameters, place: &DAffine3) -> Mapped<Sheet> {
     let axis = pieces(file, parameters.reference(1)?, place)?;
     let [start, end] = match axis.as_slice() {
         [piece] => piece.ends(),
@@ -58,13 +53,7 @@ pub fn revolved(file: &Directory, parameters: &Parameters, place: &DAffine3, for
     let generatrix = parameters.reference(2)?;
     let (first, last) = (parameters.real(3)?, parameters.real(4)?);
     let turn = if last > first { (last - first).min(TAU) } else { (last - first).rem_euclid(TAU) };
-    let turn = if turn <= 1e-12 || turn > TAU - 1e-12 { TAU } else { turn };
-    if form == Form::Recognised
-        && let [piece] = pieces(file, generatrix, place)?.as_slice()
-        && let Some(recognised) = recognise::revolved(piece, start, direction)
-    {
-        return Ok(recognised);
-    }
+    let turn = if turn <= WHOLE_TURN || turn > TAU - WHOLE_TURN { TAU } else { turn };
     let (curve, spans) = profile(file, generatrix, place)?;
     let mirrored = place.matrix3.determinant() < 0.0;
     let angles = if mirrored { [-first, -first - turn] } else { [first, first + turn] };

@@ -10,13 +10,13 @@ use super::style;
 use crate::brep::{Color, Face, Id, Severity, TrimLoop};
 use crate::geometry::invert_surface;
 use crate::numeric::Aabb;
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 /// A curve farther than this share of its loop's size from its surface belongs to another one.
 const OFF_SURFACE: f64 = 1e-2;
 
-/// How many curves of a loop are compared with what they should lie on.
-const MOST_COMPARED: usize = 8;
+/// How many curves of a loop are compared with the surface that they should lie on.
+const MOST_COMPARED: usize = 4;
 
 impl Reader<'_> {
     /// The face of a 144, a 143 or a surface that stands alone.
@@ -102,10 +102,7 @@ impl Reader<'_> {
             curve => curve::pieces(&self.file, curve, place),
         };
         match in_space {
-            Ok(pieces)
-                if !pieces.is_empty()
-                    && (flat == 0 || !self.lies_elsewhere(&pieces, flat, surface, used, place)) =>
-            {
+            Ok(pieces) if !pieces.is_empty() && (flat == 0 || !self.lies_elsewhere(&pieces, used)) => {
                 Ok(pieces.into_iter().map(Bound::from).collect())
             }
             Ok(_) if flat == 0 => Err(none.clone()),
@@ -124,27 +121,14 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a curve in space has nothing to do with its surface, although the parameter curve `flat` has: some files
-    /// carry a dummy. Points of the one that are among the ends of the other show cheaply that all is well.
-    fn lies_elsewhere(
-        &mut self,
-        pieces: &[Piece],
-        flat: u32,
-        surface: u32,
-        used: &SurfaceUse,
-        place: &DAffine3,
-    ) -> bool {
-        let ends: Vec<DVec3> = pieces.iter().flat_map(Piece::ends).collect();
+    /// Whether a curve in space has nothing to do with its surface: some files carry a dummy beside a good parameter curve.
+    fn lies_elsewhere(&self, pieces: &[Piece], used: &SurfaceUse) -> bool {
         let size = Aabb::around(pieces.iter().flat_map(|p| [p.at(0.0), p.at(0.5), p.at(1.0)])).diagonal();
         let off = OFF_SURFACE * size + self.resolution;
-        let starts = lifted::starts(self, flat, surface, place, MOST_COMPARED).unwrap_or_default();
-        let is_end = |start: &DVec3| ends.iter().any(|end| end.distance(*start) <= off);
-        if starts.iter().all(is_end) {
-            return false;
-        }
         let surface = &self.model.surfaces[used.id];
+        let step = pieces.len().div_ceil(MOST_COMPARED).max(1);
         let distant = |piece: &Piece| invert_surface(surface, piece.at(0.5), None).distance > off;
-        pieces.iter().take(MOST_COMPARED).any(distant)
+        pieces.iter().step_by(step).any(distant)
     }
 
     /// Entity 143: type, surface, how many boundaries, these.

@@ -22,6 +22,13 @@ pub struct Delimiters {
     pub record: u8,
 }
 
+impl Delimiters {
+    /// Whether `byte` is one of the two.
+    pub fn contains(self, byte: u8) -> bool {
+        byte == self.parameter || byte == self.record
+    }
+}
+
 impl Default for Delimiters {
     fn default() -> Self {
         Self { parameter: b',', record: b';' }
@@ -61,8 +68,7 @@ fn value(text: &[u8], at: usize, delimiters: Delimiters) -> (Value, usize) {
 }
 
 fn find_delimiter(text: &[u8], at: usize, delimiters: Delimiters) -> usize {
-    let is_delimiter = |byte: &u8| *byte == delimiters.parameter || *byte == delimiters.record;
-    text[at..].iter().position(is_delimiter).map_or(text.len(), |offset| at + offset)
+    text[at..].iter().position(|byte| delimiters.contains(*byte)).map_or(text.len(), |offset| at + offset)
 }
 
 /// Where the characters of a string `nH…` at `at` start, and how many there are.

@@ -54,7 +54,7 @@ impl Default for Viewpoint {
 /// The direction of f3d's pictures of STEP files, with +Z up.
 const DIRECTION: DVec3 = DVec3::new(-1.0, 1.0, -0.5);
 
-/// The share of the picture, across and upwards, that the model's box may fill.
+/// The share of the picture, across and upwards, that the points to show may fill.
 const FILL: f64 = 0.95;
 
 /// The eye is never nearer to the focal point than this share of the box's diagonal.
@@ -71,10 +71,12 @@ impl Camera {
         }
     }
 
-    /// The camera for pictures of `bounds` that are `aspect` times as wide as high. An empty box counts as the unit box.
-    pub fn new(view: &Viewpoint, bounds: Aabb, aspect: f64) -> Self {
-        let usable = !bounds.is_empty() && bounds.is_finite();
-        let bounds = if usable { bounds } else { Aabb { min: DVec3::ZERO, max: DVec3::ONE } };
+    /// The camera for pictures that show all `points` and are `aspect` times as wide as high. No points count as the unit box.
+    pub fn new(view: &Viewpoint, points: &[DVec3], aspect: f64) -> Self {
+        let unit_box = Aabb { min: DVec3::ZERO, max: DVec3::ONE }.corners();
+        let usable = !points.is_empty() && points.iter().all(|point| point.is_finite());
+        let points = if usable { points } else { &unit_box };
+        let bounds = Aabb::around(points.iter().copied());
         let focal_point = view.focal_point.unwrap_or_else(|| bounds.center());
         let direction = match view.position {
             Some(position) => Some(focal_point - position),
@@ -86,21 +88,21 @@ impl Camera {
         let up = right.cross(forward);
         let size = bounds.diagonal().max(f64::MIN_POSITIVE);
 
-        // The box as the camera sees it: across, up and away from the focal point.
-        let corners = bounds.corners().map(|corner| {
-            let from_focal = corner - focal_point;
+        // The points as the camera sees them: across, up and away from the focal point.
+        let seen = points.iter().map(|&point| {
+            let from_focal = point - focal_point;
             DVec3::new(from_focal.dot(right), from_focal.dot(up), from_focal.dot(forward))
         });
         let centred = view.focal_point.is_some() || view.position.is_some();
         let (half_height, framing) = if view.orthographic {
-            let across = Span::of(corners.map(|c| c.x), centred);
-            let upwards = Span::of(corners.map(|c| c.y), centred);
+            let across = Span::of(seen.clone().map(|p| p.x), centred);
+            let upwards = Span::of(seen.map(|p| p.y), centred);
             let half_height = (upwards.half.max(across.half / aspect) / FILL).max(size * NEAREST);
             (half_height, DVec3::new(across.middle, upwards.middle, -size))
         } else {
             let tangent = (view.view_angle / 2.0).tan();
-            let across = Wedge::around(corners.map(|c| (c.x, c.z)), tangent * aspect * FILL, centred);
-            let upwards = Wedge::around(corners.map(|c| (c.y, c.z)), tangent * FILL, centred);
+            let across = Wedge::around(seen.clone().map(|p| (p.x, p.z)), tangent * aspect * FILL, centred);
+            let upwards = Wedge::around(seen.map(|p| (p.y, p.z)), tangent * FILL, centred);
             let depth = across.apex.min(upwards.apex).min(-size * NEAREST);
             (tangent, DVec3::new(across.middle, upwards.middle, depth))
         };
@@ -127,9 +129,9 @@ struct Span {
 }
 
 impl Span {
-    fn of(numbers: [f64; 8], centred: bool) -> Self {
-        let high = numbers.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let low = numbers.into_iter().fold(f64::INFINITY, f64::min);
+    fn of(numbers: impl Iterator<Item = f64> + Clone, centred: bool) -> Self {
+        let high = numbers.clone().fold(f64::NEG_INFINITY, f64::max);
+        let low = numbers.fold(f64::INFINITY, f64::min);
         if centred {
             Self { middle: 0.0, half: high.max(-low) }
         } else {
@@ -149,8 +151,8 @@ struct Wedge {
 impl Wedge {
     /// The eye at `(e, d)` sees `(x, z)` within the slope `t` where `|x − e| <= (z − d) t`, that is `d t <= z t − x + e` and
     /// `d t <= z t + x − e`. Over all points: `d t <= a + e` and `d t <= b − e`, best at `e = (b − a) / 2`.
-    fn around(points: [(f64, f64); 8], t: f64, centred: bool) -> Self {
-        let least = |f: &dyn Fn((f64, f64)) -> f64| points.into_iter().map(f).fold(f64::INFINITY, f64::min);
+    fn around(points: impl Iterator<Item = (f64, f64)> + Clone, t: f64, centred: bool) -> Self {
+        let least = |f: &dyn Fn((f64, f64)) -> f64| points.clone().map(f).fold(f64::INFINITY, f64::min);
         let a = least(&|(x, z)| z * t - x);
         let b = least(&|(x, z)| z * t + x);
         if centred {
@@ -188,7 +190,7 @@ mod tests {
                     for focal_point in [None, Some(DVec3::new(1010.0, 0.0, 4.0))] {
                         let direction = Some(direction);
                         let view = Viewpoint { direction, orthographic, focal_point, ..Viewpoint::default() };
-                        let camera = Camera::new(&view, flat_box(), aspect);
+                        let camera = Camera::new(&view, &flat_box().corners(), aspect);
                         let seen = flat_box().corners().map(|c| project(&camera, aspect, c));
                         let extent = seen.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
                         assert!(
@@ -204,7 +206,7 @@ mod tests {
     #[test]
     fn axes_are_orthonormal_and_up_is_up() {
         for up in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z] {
-            let camera = Camera::new(&Viewpoint { up, ..Viewpoint::default() }, flat_box(), 1.5);
+            let camera = Camera::new(&Viewpoint { up, ..Viewpoint::default() }, &flat_box().corners(), 1.5);
             assert!((camera.right.cross(camera.forward) - camera.up).length() < 1e-12);
             assert!(camera.up.dot(up) > 0.5, "{up}");
             assert!(camera.forward.dot(up) < 0.0, "seen from above");
@@ -213,10 +215,10 @@ mod tests {
 
     #[test]
     fn a_point_and_nothing_can_be_looked_at_straight_down() {
-        for bounds in [Aabb { min: DVec3::ONE, max: DVec3::ONE }, Aabb::EMPTY] {
+        for points in [[DVec3::ONE].as_slice(), &[]] {
             for orthographic in [false, true] {
                 let view = Viewpoint { direction: Some(-DVec3::Z), orthographic, ..Viewpoint::default() };
-                let camera = Camera::new(&view, bounds, 1.0);
+                let camera = Camera::new(&view, points, 1.0);
                 assert!(camera.position.is_finite() && camera.half_height > 0.0);
                 assert_eq!(camera.up, DVec3::Y);
             }
@@ -227,7 +229,7 @@ mod tests {
     fn a_position_is_kept_and_looks_at_the_model() {
         let position = DVec3::new(0.0, -500.0, 100.0);
         let view = Viewpoint { position: Some(position), ..Viewpoint::default() };
-        let camera = Camera::new(&view, flat_box(), 1.0);
+        let camera = Camera::new(&view, &flat_box().corners(), 1.0);
         assert_eq!(camera.position, position);
         let [x, y] = project(&camera, 1.0, flat_box().center());
         assert!(x.abs() < 1e-12 && y.abs() < 1e-12);
@@ -235,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_picture_is_straight_ahead() {
-        let camera = Camera::new(&Viewpoint::default(), flat_box(), 1.0);
+        let camera = Camera::new(&Viewpoint::default(), &flat_box().corners(), 1.0);
         assert!((camera.ray(0.0, 0.0, 1.0).direction - camera.forward).length() < 1e-15);
         let top = camera.ray(0.0, 1.0, 1.0).direction;
         assert!((top.dot(camera.forward).acos() - std::f64::consts::PI / 12.0).abs() < 1e-12);

@@ -2,11 +2,13 @@
 
 pub mod camera;
 pub mod cpu;
+mod framing;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod options;
 mod ray;
 
 pub use camera::{Camera, Viewpoint};
+pub use framing::bounds;
 pub use options::{Background, RenderOptions};
 pub use ray::{Hit, Ray};

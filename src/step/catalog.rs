@@ -1,9 +1,10 @@
 //! One pass over all statements that finds those from which the mapping starts.
 
 use super::decode;
+use super::hidden::is_left_out;
 use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::Reader;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// Entity numbers by what they are, in ascending order.
 #[derive(Debug, Default)]
@@ -22,6 +23,10 @@ pub struct Catalog {
     pub relationships: Vec<u64>,
     /// CONTEXT_DEPENDENT_SHAPE_REPRESENTATION.
     pub placements: Vec<u64>,
+    /// INVISIBILITY.
+    pub invisibilities: Vec<u64>,
+    /// Kinds of items that are no exact shape: the first of each and how many there are.
+    pub left_out: BTreeMap<String, (u64, usize)>,
 }
 
 /// Sorts all statements.
@@ -55,6 +60,10 @@ impl Catalog {
         match keyword {
             _ if FACE_KEYWORDS.contains(&keyword) => {
                 self.faces.insert(id);
+            }
+            "INVISIBILITY" => self.invisibilities.push(id),
+            _ if is_left_out(keyword) => {
+                self.left_out.entry(keyword.to_owned()).or_insert((id, 0)).1 += 1;
             }
             _ if BODY_KEYWORDS.contains(&keyword) => self.bodies.push(id),
             "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION" => self.placements.push(id),

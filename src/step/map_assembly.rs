@@ -7,9 +7,11 @@
 
 use super::catalog::Catalog;
 use super::groups::Groups;
+use super::hidden::is_left_out;
+use super::map_bounded::is_loose_surface;
 use super::map_placement::{mapped_representation, related, transformation};
 use super::map_style::Styles;
-use super::map_topology::BODY_KEYWORDS;
+use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::{MAX_CHAIN, Problem, Reader};
 use super::roots;
 use super::units::{self, Units};
@@ -25,8 +27,7 @@ pub struct Representation {
 }
 
 /// Keywords of items that hold shape in a form that is not read, by what they contain.
-const OTHER_SHAPES: [&str; 14] = [
-    "TESSELLATED",
+const OTHER_SHAPES: [&str; 13] = [
     "SOLID",
     "SURFACE",
     "BREP",
@@ -206,10 +207,12 @@ impl Assembly {
             let Representation { items, context, .. } = self.representations[&id].clone();
             let (bodies, others): (Vec<u64>, Vec<u64>) =
                 items.into_iter().partition(|&item| is_body(reader, item));
+            let (loose, others): (Vec<u64>, Vec<u64>) =
+                others.into_iter().partition(|&item| is_loose(reader, item));
             for item in others {
                 report_other_shape(reader, item);
             }
-            if bodies.is_empty() {
+            if bodies.is_empty() && loose.is_empty() {
                 continue;
             }
             self.use_units(reader, context);
@@ -226,6 +229,18 @@ impl Assembly {
                     Ok(None) => {}
                     Err(problem) => reader.report(Severity::Dropped, problem),
                 }
+            }
+            let color = styles.of(id);
+            let (sets, single): (Vec<u64>, Vec<u64>) =
+                loose.into_iter().partition(|&item| reader.keyword(item) == "GEOMETRIC_SET");
+            let mut sheets = vec![reader.loose_sheet(id, &single, styles, color)];
+            for set in sets {
+                let items = reader.entity(set).map(|e| e.first().references(1)).unwrap_or_default();
+                sheets.push(reader.loose_sheet(set, &items, styles, styles.of(set).or(color)));
+            }
+            for sheet in sheets.into_iter().flatten() {
+                let part = self.part(reader, id);
+                reader.model.parts[part].bodies.push(sheet);
             }
         }
     }
@@ -286,12 +301,15 @@ fn is_body(reader: &Reader, id: u64) -> bool {
     BODY_KEYWORDS.contains(&&*keyword)
 }
 
+/// Whether an item is a face or surface outside of any shell, or a set of such.
+fn is_loose(reader: &Reader, id: u64) -> bool {
+    let keyword = reader.keyword(id);
+    keyword == "GEOMETRIC_SET" || FACE_KEYWORDS.contains(&&*keyword) || is_loose_surface(reader, id)
+}
+
 fn report_other_shape(reader: &mut Reader, id: u64) {
     let kind = reader.keyword(id).into_owned();
-    if kind == "GEOMETRIC_SET" {
-        let reason = "surfaces and curves without topology are left out".into();
-        reader.report(Severity::Note, Problem { entity: id, kind, reason });
-    } else if OTHER_SHAPES.iter().any(|word| kind.contains(word)) {
+    if !is_left_out(&kind) && OTHER_SHAPES.iter().any(|word| kind.contains(word)) {
         reader.report(
             Severity::Dropped,
             Problem { entity: id, kind, reason: "this kind of shape is not read".into() },

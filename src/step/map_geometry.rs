@@ -1,6 +1,7 @@
 //! Points, placements and curves (ISO 10303-42, clause 4).
 
 use super::map_bspline;
+use super::map_composite;
 use super::reader::{MAX_CHAIN, Mapped, Reader, problem, real, reference};
 use super::value::{Entity, Record, Value};
 use crate::geometry::{BsplineCurve, Curve, Frame, Homogeneous, Homogeneous3, invert_curve};
@@ -147,7 +148,8 @@ impl Reader<'_> {
         self.curve_in_chain(id, 0)
     }
 
-    fn curve_in_chain(&self, id: u64, depth: usize) -> Mapped<MappedCurve> {
+    /// Curve `id`, `depth` references down a chain of curves.
+    pub fn curve_in_chain(&self, id: u64, depth: usize) -> Mapped<MappedCurve> {
         let entity = self.entity(id)?;
         if depth > MAX_CHAIN {
             return Err(problem(&entity, "curves refer to each other in a circle"));
@@ -158,6 +160,9 @@ impl Reader<'_> {
         }
         if map_bspline::is_curve(&entity) {
             return plain(Curve::Bspline(map_bspline::curve(self, &entity)?));
+        }
+        if map_composite::segments(&entity).is_some() {
+            return plain(self.composite_curve(&entity, depth + 1)?);
         }
         let record = entity.first();
         let frame = || self.placement(reference(id, record, 1)?);
@@ -179,6 +184,11 @@ impl Reader<'_> {
                 let basis = self.curve_in_chain(reference(id, record, 1)?, depth + 1)?;
                 let trim = self.trim_range(&basis.curve, record);
                 Ok(MappedCurve { trim: trim.or(basis.trim), ..basis })
+            }
+            "CURVE_REPLICA" => {
+                let parent = self.curve_in_chain(reference(id, record, 1)?, depth + 1)?;
+                let curve = parent.curve.transformed(&self.transform(reference(id, record, 2)?)?);
+                Ok(MappedCurve { curve, pcurves: Vec::new(), ..parent })
             }
             _ => Err(problem(&entity, "this kind of curve is not supported")),
         }

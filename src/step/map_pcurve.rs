@@ -38,7 +38,7 @@ impl Reader<'_> {
     }
 
     /// What the file's u and v are multiplied by to be ours.
-    fn parameter_scale(&self, surface: &Surface) -> DVec2 {
+    pub fn parameter_scale(&self, surface: &Surface) -> DVec2 {
         let (length, angle) = (self.units.millimetres, self.units.radians);
         match surface {
             Surface::Plane { .. } => DVec2::new(length, length),

@@ -3,8 +3,9 @@
 use super::map_bspline;
 use super::map_geometry::positive_length;
 use super::map_swept;
-use super::reader::{MAX_CHAIN, Mapped, Reader, SurfaceUse, problem, real, reference};
+use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, SurfaceUse, problem, real, reference};
 use super::value::{Entity, Record};
+use crate::brep::Severity;
 use crate::geometry::{Frame, Surface};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -13,12 +14,13 @@ use std::f64::consts::FRAC_PI_2;
 const LEAST_CONE_ANGLE: f64 = 1e-9;
 
 /// Surfaces that take another form, so that their parameters are not kept and their extent may depend on the face.
-pub const RESHAPED: [&str; 5] = [
+pub const RESHAPED: [&str; 6] = [
     "SURFACE_OF_LINEAR_EXTRUSION",
     "SURFACE_OF_REVOLUTION",
     "RECTANGULAR_TRIMMED_SURFACE",
     "CURVE_BOUNDED_SURFACE",
     "SURFACE_REPLICA",
+    "OFFSET_SURFACE",
 ];
 
 /// A surface on the way into the model.
@@ -31,11 +33,13 @@ pub struct MappedSurface {
     pub keeps_parameters: bool,
     /// Whether it was cut to fit one face and serves no other.
     pub fits_one_face: bool,
+    /// How far it may be from the file's surface, in millimetres, where it is not the same.
+    pub deviation: f64,
 }
 
 impl MappedSurface {
     fn plain(surface: Surface) -> Self {
-        Self { surface, flipped: false, keeps_parameters: true, fits_one_face: false }
+        Self { surface, flipped: false, keeps_parameters: true, fits_one_face: false, deviation: 0.0 }
     }
 }
 
@@ -46,6 +50,11 @@ impl Reader<'_> {
             return Ok(known);
         }
         let mapped = self.map_surface(id, samples, 0)?;
+        if mapped.deviation > 0.0 {
+            let kind = self.keyword(id).into_owned();
+            let reason = format!("approximated within {:.1e} mm", mapped.deviation);
+            self.report(Severity::Warning, Problem { entity: id, kind, reason });
+        }
         let surface_use = SurfaceUse {
             id: self.model.surfaces.push(mapped.surface),
             flipped: mapped.flipped,
@@ -57,7 +66,8 @@ impl Reader<'_> {
         Ok(surface_use)
     }
 
-    fn map_surface(&self, id: u64, samples: &[DVec3], depth: usize) -> Mapped<MappedSurface> {
+    /// Surface `id` for a face whose boundary runs through `samples`, `depth` references down a chain of surfaces.
+    pub fn map_surface(&self, id: u64, samples: &[DVec3], depth: usize) -> Mapped<MappedSurface> {
         let entity = self.entity(id)?;
         if depth > MAX_CHAIN {
             return Err(problem(&entity, "surfaces refer to each other in a circle"));
@@ -106,8 +116,10 @@ impl Reader<'_> {
                     flipped: parent.flipped ^ turned ^ mirrored,
                     keeps_parameters: false,
                     fits_one_face: parent.fits_one_face,
+                    deviation: parent.deviation,
                 })
             }
+            "OFFSET_SURFACE" => self.offset(&entity, samples, depth),
             _ => Err(problem(&entity, "this kind of surface is not supported")),
         }
     }

@@ -87,13 +87,13 @@ pub fn revolution(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped
 }
 
 fn cut_to_fit(surface: Surface) -> MappedSurface {
-    MappedSurface { surface, flipped: false, keeps_parameters: false, fits_one_face: true }
+    MappedSurface { surface, flipped: false, keeps_parameters: false, fits_one_face: true, deviation: 0.0 }
 }
 
 /// A recognised surface; `normal` is that of the file's surface at `point`.
 fn recognised(surface: Surface, point: DVec3, normal: DVec3) -> MappedSurface {
     let flipped = outward_normal(&surface, point).dot(normal) < 0.0;
-    MappedSurface { surface, flipped, keeps_parameters: false, fits_one_face: false }
+    MappedSurface { surface, flipped, keeps_parameters: false, fits_one_face: false, deviation: 0.0 }
 }
 
 /// The direction of `S_u × S_v` at a point of a recognised surface.

@@ -98,7 +98,8 @@ impl Reader<'_> {
         })
     }
 
-    fn face_or_report(
+    /// Adds face `id`, or reports it.
+    pub fn face_or_report(
         &mut self,
         id: u64,
         reversed: bool,
@@ -286,7 +287,8 @@ impl Reader<'_> {
         Ok(SurfaceUse { id, flipped: false, keeps_parameters: true })
     }
 
-    fn samples(&self, loops: &[TrimLoop]) -> Vec<DVec3> {
+    /// Points along the edges of `loops`.
+    pub fn samples(&self, loops: &[TrimLoop]) -> Vec<DVec3> {
         let mut samples = Vec::new();
         for trim in loops {
             match trim {
@@ -307,7 +309,7 @@ impl Reader<'_> {
 }
 
 /// The loop run the other way.
-fn reverse(trim: &mut TrimLoop) {
+pub fn reverse(trim: &mut TrimLoop) {
     if let TrimLoop::Edges(coedges) = trim {
         coedges.reverse();
         for coedge in coedges {

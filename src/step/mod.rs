@@ -12,10 +12,14 @@ mod catalog;
 mod decode;
 mod groups;
 mod header;
+mod hidden;
 mod map_assembly;
+mod map_bounded;
 mod map_bspline;
+mod map_composite;
 mod map_edge;
 mod map_geometry;
+mod map_offset;
 mod map_pcurve;
 mod map_placement;
 mod map_style;
@@ -29,6 +33,8 @@ mod text;
 mod units;
 mod value;
 
+#[cfg(test)]
+mod bounded_tests;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
@@ -62,9 +68,11 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
         reader.report(Severity::Warning, Problem { entity: fault.id, kind: "syntax".into(), reason });
     }
     let catalog = catalog::read(&reader);
+    hidden::report_left_out(&mut reader, &catalog);
     reader.model.declared_faces = catalog.faces.len();
     reader.open_faces = catalog.faces.clone();
     let styles = map_style::read(&reader, &catalog.styled_items);
+    hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
     Ok(reader.model)
 }

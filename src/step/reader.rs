@@ -57,6 +57,8 @@ pub struct Reader<'a> {
     pub surfaces: HashMap<u64, SurfaceUse>,
     /// Faces that the file declares and that are neither imported nor reported yet.
     pub open_faces: HashSet<u64>,
+    /// Surfaces without topology that were counted as faces.
+    pub loose_surfaces: HashSet<u64>,
     /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
     /// list that many entities share is copied for each, and a hostile file would make that quadratic.
     budget: Cell<usize>,
@@ -78,6 +80,7 @@ impl<'a> Reader<'a> {
             poly_edges: HashMap::new(),
             surfaces: HashMap::new(),
             open_faces: HashSet::new(),
+            loose_surfaces: HashSet::new(),
             taken_bodies: HashSet::new(),
         }
     }

@@ -15,7 +15,7 @@ const INCHES: &str = "#910=(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNIT_ASSI
     #912=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#901);#914=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);";
 
 /// Model of a file with these instances.
-fn model(data: &str) -> Model {
+pub fn model(data: &str) -> Model {
     let text = format!(
         "ISO-10303-21;\nHEADER;\nFILE_NAME('n','',(''),(''),'p','a \\X2\\00FC\\X0\\ system','');\n\
          FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\nENDSEC;\nDATA;\n{MILLIMETRES}{INCHES}\n{data}\n\
@@ -27,7 +27,7 @@ fn model(data: &str) -> Model {
 }
 
 /// A cube from (0, 0, 0) to (1, 1, 1) with edges, as solid #1 made of ids below 300; its representation #2 is in `context`.
-fn cube(context: &str) -> String {
+pub fn cube(context: &str) -> String {
     use std::fmt::Write;
     let mut text = format!(
         "#1=MANIFOLD_SOLID_BREP('cube',#3);#2=ADVANCED_BREP_SHAPE_REPRESENTATION('r',(#1,#4),{context});"
@@ -100,7 +100,7 @@ fn cube(context: &str) -> String {
     text + &format!("#3=CLOSED_SHELL('',({}));", faces.join(","))
 }
 
-const PRODUCT: &str = "#500=PRODUCT('id','W\\X\\FCrfel','',());#501=PRODUCT_DEFINITION_FORMATION('','',#500);\
+pub const PRODUCT: &str = "#500=PRODUCT('id','W\\X\\FCrfel','',());#501=PRODUCT_DEFINITION_FORMATION('','',#500);\
     #502=PRODUCT_DEFINITION('','',#501,$);#503=PRODUCT_DEFINITION_SHAPE('','',#502);\
     #504=SHAPE_DEFINITION_REPRESENTATION(#503,#2);";
 
@@ -161,12 +161,17 @@ fn without_products_solids_become_one_part() {
 #[test]
 fn broken_faces_cost_themselves() {
     let broken = cube("#900")
-        .replace("#221=PLANE('',#241);", "#221=OFFSET_SURFACE('',#220,1.,.F.);")
+        .replace("#221=PLANE('',#241);", "#221=RECTANGULAR_COMPOSITE_SURFACE('',((#220)));")
         .replace("#235=EDGE_LOOP", "#235=EDGE_LOPP");
     let model = model(&(broken + PRODUCT + "#600=ADVANCED_FACE('nobody''s',(),#220,.T.);"));
     assert_eq!((model.declared_faces, model.faces.len()), (7, 4));
     assert_eq!(model.diagnostics.iter().map(|d| d.faces).sum::<u32>(), 3);
-    assert!(model.diagnostics.iter().any(|d| d.entity == 201 && d.reason.contains("OFFSET_SURFACE #221")));
+    assert!(
+        model
+            .diagnostics
+            .iter()
+            .any(|d| d.entity == 201 && d.reason.contains("RECTANGULAR_COMPOSITE_SURFACE #221"))
+    );
 }
 
 /// An assembly #700 that places the cube's representation #2 at (10, 0, 0), turned a quarter about z.
@@ -257,7 +262,7 @@ fn colours_go_from_outside_in() {
 }
 
 /// A face on surface #60, bounded by circles of radius 2 about z at heights 0 and 3, in an open shell.
-fn tube(surface: &str) -> String {
+pub fn tube(surface: &str) -> String {
     "#2=MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#1),#900);#1=SHELL_BASED_SURFACE_MODEL('',(#3));#3=OPEN_SHELL('',(#5));\
      #5=ADVANCED_FACE('',(#6,#7),#60,.T.);#6=FACE_BOUND('',#8,.T.);#7=FACE_BOUND('',#9,.T.);#8=EDGE_LOOP('',(#10));\
      #9=EDGE_LOOP('',(#11));#10=ORIENTED_EDGE('',*,*,#12,.T.);#11=ORIENTED_EDGE('',*,*,#13,.F.);\

@@ -225,7 +225,7 @@ fn collapsed_sides_of_bsplines_are_found_and_inverted() {
     assert!(poles.iter().all(|pole| pole.axis == 1 && (pole.point.z.abs() - 2.0).abs() < 1e-14));
     let found = invert_surface(&sphere, poles[1].point, Some(DVec2::new(2.5, 1.0)));
     assert!(found.distance < 1e-7 && (found.uv.x - 2.5).abs() < 1e-3, "{found:?}");
-    for (u, v) in [(0.0_f64, 0.3_f64), (6.2, -1.5), (3.0, 1.57), (4.0, 0.0), (1.0, -1.5707)] {
+    for (u, v) in [(0.0_f64, 0.3_f64), (6.2, -1.5), (3.0, 1.55), (4.0, 0.0), (1.0, -1.56)] {
         let point = DVec3::new(v.cos() * u.cos(), v.cos() * u.sin(), v.sin()) * 2.0;
         assert!(invert_surface(&sphere, point, None).distance < 1e-12, "{u} {v}");
         let seed = invert_surface(&sphere, point, None);

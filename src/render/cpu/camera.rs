@@ -8,6 +8,11 @@ pub fn pixel_ray(camera: &Camera, resolution: [u32; 2], x: f64, y: f64) -> Ray {
     camera.ray(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, width / height)
 }
 
+/// What tells pixels apart in [`hash`] and in sample sequences: x in the low half, y in the high one.
+pub fn pixel_key(x: u32, y: u32) -> u32 {
+    x & 0xffff | y << 16
+}
+
 /// Where sample `index` of `count` lies in its pixel, both in 0..1: stratified over a grid of cells, jittered within the cell.
 pub fn sample_offset(pixel: u32, index: u32, count: u32) -> [f32; 2] {
     if count <= 1 {

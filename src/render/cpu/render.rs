@@ -1,6 +1,6 @@
 //! Pictures: tiles over threads, samples over pixels.
 
-use super::camera::{pixel_ray, sample_offset};
+use super::camera::{pixel_key, pixel_ray, sample_offset};
 use super::hit::hit_normal;
 use super::ray_space::prepare;
 use super::shade::{Lights, Shading, shade_ray};
@@ -69,7 +69,7 @@ fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
         face: vec![0; width],
     };
     for x in 0..width {
-        let pixel = (y * width + x) as u32;
+        let pixel = pixel_key(x as u32, y as u32);
         row.color[x] = pixel_color(shading, camera, x, y, pixel);
         let ray = pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5);
         let Some(prepared) = prepare::<f32>(&ray, shading.scene.header) else { continue };

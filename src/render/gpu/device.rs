@@ -28,7 +28,7 @@ pub enum AdapterChoice {
 
 impl AdapterChoice {
     /// `Any` where the environment says `REQUIRE_GPU=1`, else `self`.
-    pub fn or_required(self) -> Self {
+    fn or_required(self) -> Self {
         if std::env::var_os("REQUIRE_GPU").is_some_and(|value| value == "1") { Self::Any } else { self }
     }
 }
@@ -50,7 +50,7 @@ impl Gpu {
     ///
     /// [`GpuError::NoAdapter`] where none counts, [`GpuError::Device`] where the best one cannot be opened.
     pub fn new(choice: AdapterChoice) -> Result<Self, GpuError> {
-        let adapter = choose_adapter(choice)?;
+        let adapter = choose_adapter(choice.or_required())?;
         let info = adapter.get_info();
         let (device, queue) = open(&adapter)?;
         let failure = Arc::new(Mutex::new(None));
@@ -117,6 +117,9 @@ fn classify(error: wgpu::Error) -> GpuError {
 }
 
 fn choose_adapter(choice: AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
+    if wgpu::Instance::enabled_backend_features().is_empty() {
+        return Err(GpuError::NoAdapter("there is no backend for this system".to_owned()));
+    }
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     let mut refused = Vec::new();

@@ -16,7 +16,11 @@ use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 
 /// Invocations in a workgroup.
-pub const WORKGROUP_SIZE: u32 = 64;
+pub(super) const WIDE: u32 = 64;
+/// Invocations in a workgroup where software devices have to give each its own loops.
+pub(super) const NARROW: u32 = 1;
+/// Elements of one dispatch at most: also that many narrow workgroups are allowed.
+pub(super) const MOST_ELEMENTS: usize = 65_472;
 
 /// An entry file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -90,9 +94,36 @@ impl Specialisation {
     }
 }
 
+/// What the probe kernel answers instead of a number of hits where it ran out of loop turns.
+pub(super) const INCOMPLETE: u32 = u32::MAX;
+
+/// The text of a kernel that counts the turns of its loops.
+///
+/// Mesa's software renderer ends all loops, without a word, after 65,535 turns in total. Hits found by then are not all hits, so its kernels
+/// keep count and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a wide one each has a
+/// sixty-fourth for certain, of a narrow one all. Loops that the compiler unrolls are free, so that counting errs on the safe side.
+pub fn counting_source(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
+    let mut text = String::new();
+    for line in kernel_text(entry, specialisation, lanes).lines() {
+        let trimmed = line.trim_start();
+        let opens_loop = ["for (", "while ", "loop {"].iter().any(|start| trimmed.starts_with(start));
+        if opens_loop && line.ends_with('{') {
+            // The turn that finds the loop's end counts too.
+            let _ = writeln!(text, "turns += 1u;\n{line}\nturns += 1u;");
+        } else {
+            let _ = writeln!(text, "{line}");
+        }
+    }
+    text
+}
+
 /// The whole text of a kernel.
 pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
-    let mut text = prelude(specialisation);
+    kernel_text(entry, specialisation, WIDE)
+}
+
+fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
+    let mut text = prelude(specialisation, lanes);
     text.push_str(include_str!("../../../shaders/types.wgsl"));
     text.push_str(include_str!("../../../shaders/entry/scene.wgsl"));
     text.push_str(entry.text());
@@ -103,9 +134,10 @@ pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
 }
 
 /// The constants that Rust owns.
-fn prelude(specialisation: &Specialisation) -> String {
-    let words: [(&str, u32); 15] = [
-        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
+    let words: [(&str, u32); 17] = [
+        ("WORKGROUP_SIZE", lanes),
+        ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("MAX_NET_DEGREE", specialisation.max_net_degree.max(1)),
         ("MAX_TRIM_DEGREE", specialisation.max_trim_degree.max(1)),
         ("REVERSED", Face::REVERSED),
@@ -119,6 +151,7 @@ fn prelude(specialisation: &Specialisation) -> String {
         ("PLANE_STEPS", trim_node::PLANE_STEPS),
         ("FAR", trim_node::FAR),
         ("MANY", trim_node::MANY),
+        ("INCOMPLETE", INCOMPLETE),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
     ];
     let mut text = String::new();
@@ -162,11 +195,14 @@ const KINDS: [(&str, FaceKind); 6] = [
     ("NETS", FaceKind::Nets),
 ];
 
+/// Entry file, entry point, what the scene asks for, invocations in a workgroup.
+type PipelineKey = (Entry, &'static str, Specialisation, u32);
+
 /// Layouts and the pipelines made so far.
 pub(super) struct Kernels {
     pub(super) scene_layout: wgpu::BindGroupLayout,
     entry_layouts: [wgpu::BindGroupLayout; Entry::ALL.len()],
-    pipelines: Mutex<HashMap<(Entry, &'static str, Specialisation), wgpu::ComputePipeline>>,
+    pipelines: Mutex<HashMap<PipelineKey, wgpu::ComputePipeline>>,
 }
 
 impl Kernels {
@@ -199,15 +235,21 @@ impl Gpu {
         entry: Entry,
         entry_point: &'static str,
         specialisation: Specialisation,
+        lanes: u32,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let key = (entry, entry_point, specialisation);
+        let key = (entry, entry_point, specialisation, lanes);
         let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
+        let text = if self.is_software() {
+            counting_source(entry, &specialisation, lanes)
+        } else {
+            source(entry, &specialisation)
+        };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(entry_point),
-            source: wgpu::ShaderSource::Wgsl(source(entry, &specialisation).into()),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
         });
         self.check()?;
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -238,13 +280,14 @@ impl Gpu {
         scene: &GpuScene<'_>,
         bind_group: &wgpu::BindGroup,
         count: u32,
+        lanes: u32,
     ) -> Result<(), GpuError> {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &scene.bind_group, &[]);
         pass.set_bind_group(1, bind_group, &[]);
-        pass.dispatch_workgroups(count.div_ceil(WORKGROUP_SIZE), 1, 1);
+        pass.dispatch_workgroups(count.div_ceil(lanes), 1, 1);
         drop(pass);
         let commands = encoder.finish();
         self.run(commands)

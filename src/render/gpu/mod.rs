@@ -12,7 +12,7 @@ mod rays;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
-pub use kernels::{Entry, FUNCTION_FILES, Specialisation, source};
+pub use kernels::{Entry, FUNCTION_FILES, Specialisation, counting_source, source};
 
 /// Why the GPU cannot be used, or could not finish.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -39,6 +39,9 @@ pub enum GpuError {
     /// A kernel does not compile or a call was wrong.
     #[error("the GPU refused the work: {0}")]
     Invalid(String),
+    /// A software device ended a kernel's loops before their end.
+    #[error("this software GPU gives up on scenes as complex as this one")]
+    Incomplete,
     /// The device was lost, or took too long.
     #[error("the GPU was lost: {0}")]
     Lost(String),

@@ -3,7 +3,7 @@
 //! A tile is a run of pixels, short enough that a dispatch never comes near a driver's time limit. Its samples are summed on the
 //! device in the CPU tracer's order; then the tile is read back. Memory on the device does not depend on the picture's size.
 
-use super::kernels::Specialisation;
+use super::kernels::{MOST_ELEMENTS, NARROW, Specialisation, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
 use crate::render::cpu::shade;
@@ -11,9 +11,6 @@ use crate::render::{Camera, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-
-/// Pixels of one dispatch.
-const TILE_PIXELS: usize = 1 << 16;
 
 /// `Camera` of `shaders/camera.wgsl`. 96 bytes.
 #[repr(C)]
@@ -65,7 +62,8 @@ struct Center {
     depth: f32,
     instance: u32,
     face: u32,
-    reserved: [u32; 2],
+    incomplete: u32,
+    reserved: u32,
 }
 
 impl Gpu {
@@ -88,40 +86,33 @@ impl Gpu {
             options.background.put_behind(&mut film);
             return Ok(film);
         };
-        let specialisation = Specialisation::of(scene.scene.header);
-        let sample_pipeline = self.pipeline(Entry::Render, "render_sample", specialisation)?;
-        let center_pipeline = self.pipeline(Entry::Render, "render_center", specialisation)?;
         let samples = options.samples.max(1);
-        let tiles = film.color.len().div_ceil(TILE_PIXELS);
+        let tiles = film.color.len().div_ceil(MOST_ELEMENTS);
         let units = tiles * (samples as usize + 1);
         let mut done = 0;
-        for first in (0..film.color.len()).step_by(TILE_PIXELS) {
-            let count = TILE_PIXELS.min(film.color.len() - first);
-            let mut parameters = RenderParameters {
+        for first in (0..film.color.len()).step_by(MOST_ELEMENTS) {
+            let parameters = RenderParameters {
                 camera: placed,
                 lights: gpu_lights(&shade::Lights::from_camera(camera), options),
                 first_pixel: first as u32,
-                pixel_count: count as u32,
+                pixel_count: MOST_ELEMENTS.min(film.color.len() - first) as u32,
                 sample_index: 0,
                 samples,
             };
-            let colors = self.create_output("colors", 16 * count as u64);
-            let centers = self.create_output("centers", size_of::<Center>() as u64 * count as u64);
-            for sample in 0..=samples {
-                parameters.sample_index = sample;
-                let pipeline = if sample < samples { &sample_pipeline } else { &center_pipeline };
-                let uniform = self.create_uniform("render parameters", &parameters);
-                let bind_group = self.bind(Entry::Render, &[&uniform, &colors, &centers]);
-                self.dispatch(pipeline, scene, &bind_group, count as u32)?;
+            let mut tile = self.render_tile(scene, parameters, WIDE, &mut || {
                 done += 1;
                 progress(done, units);
+            })?;
+            if tile.is_cut_short() {
+                tile = self.render_tile(scene, parameters, NARROW, &mut || {})?;
             }
-            let sums: Vec<[f32; 4]> = self.read(&colors, count)?;
-            for (color, sum) in film.color[first..first + count].iter_mut().zip(sums) {
+            if tile.is_cut_short() {
+                return Err(GpuError::Incomplete);
+            }
+            for (color, sum) in film.color[first..].iter_mut().zip(&tile.sums) {
                 *color = sum.map(|component| component / samples as f32);
             }
-            let seen: Vec<Center> = self.read(&centers, count)?;
-            for (pixel, center) in (first..).zip(seen) {
+            for (pixel, center) in (first..).zip(&tile.centers) {
                 if center.face != 0 {
                     film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;
                     film.normal[pixel] = center.normal;
@@ -132,6 +123,42 @@ impl Gpu {
         }
         options.background.put_behind(&mut film);
         Ok(film)
+    }
+
+    /// All samples of a tile and its pixels' centres; `step` is called after each dispatch.
+    fn render_tile(
+        &self,
+        scene: &GpuScene<'_>,
+        mut parameters: RenderParameters,
+        lanes: u32,
+        step: &mut dyn FnMut(),
+    ) -> Result<Tile, GpuError> {
+        let specialisation = Specialisation::of(scene.scene.header);
+        let count = parameters.pixel_count;
+        let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
+        let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
+        for sample in 0..=parameters.samples {
+            parameters.sample_index = sample;
+            let entry_point = if sample < parameters.samples { "render_sample" } else { "render_center" };
+            let pipeline = self.pipeline(Entry::Render, entry_point, specialisation, lanes)?;
+            let uniform = self.create_uniform("render parameters", &parameters);
+            let bind_group = self.bind(Entry::Render, &[&uniform, &colors, &centers]);
+            self.dispatch(&pipeline, scene, &bind_group, count, lanes)?;
+            step();
+        }
+        Ok(Tile { sums: self.read(&colors, count as usize)?, centers: self.read(&centers, count as usize)? })
+    }
+}
+
+/// A run of pixels as the kernels leave it.
+struct Tile {
+    sums: Vec<[f32; 4]>,
+    centers: Vec<Center>,
+}
+
+impl Tile {
+    fn is_cut_short(&self) -> bool {
+        self.centers.iter().any(|center| center.incomplete != 0)
     }
 }
 
@@ -144,7 +171,8 @@ fn place_camera(camera: &Camera, resolution: [u32; 2], header: &Header) -> Optio
     let center = eye + camera.forward * distance;
     let grid = (center / step).round();
     // Half of what an i32 holds: the kernel adds what pixels are apart. The scene is 2¹⁶ steps wide.
-    if !(grid.abs().max_element() < f64::from(1 << 30)) || resolution.contains(&0) {
+    let fits = grid.abs().max_element() < f64::from(1 << 30);
+    if !fits || resolution.contains(&0) {
         return None;
     }
     let forward = camera.forward.as_vec3();

@@ -4,7 +4,7 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::Specialisation;
+use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, Specialisation, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::NO_NET;
 use crate::render::cpu::hit::finish_hit;
@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 /// Slots per ray of the first pass.
 const FIRST_SLOTS: u32 = 8;
 /// Rays of one dispatch: few enough for tens of milliseconds on a slow device.
-const BATCH_RAYS: usize = 1 << 16;
+const BATCH_RAYS: usize = MOST_ELEMENTS;
 /// Slots of one dispatch, 32 bytes each; also what a single ray may have.
 const BATCH_SLOTS: u32 = 1 << 20;
 
@@ -85,31 +85,56 @@ impl Gpu {
                     prepare::<f32>(ray, scene.scene.header).map(|prepared| Pending { index, prepared, slots })
                 })
                 .collect();
-            let crowded = self.probe_batch(scene, &pending, first_only, &mut answers)?;
-            for group in groups(&crowded) {
-                self.probe_batch(scene, group, first_only, &mut answers)?;
+            let cut_short = self.probe_twice(scene, &pending, first_only, WIDE, &mut answers)?;
+            let left = self.probe_twice(scene, &cut_short, first_only, NARROW, &mut answers)?;
+            if !left.is_empty() {
+                return Err(GpuError::Incomplete);
             }
         }
         Ok(answers)
     }
 
-    /// Answers those rays whose hits fit, returns the others with the room they need.
+    /// Answers rays, in a second pass those with many hits; returns those whose loops were cut short.
+    fn probe_twice(
+        &self,
+        scene: &GpuScene<'_>,
+        pending: &[Pending],
+        first_only: bool,
+        lanes: u32,
+        answers: &mut [Vec<Hit>],
+    ) -> Result<Vec<Pending>, GpuError> {
+        let (crowded, mut cut_short) = self.probe_batch(scene, pending, first_only, lanes, answers)?;
+        for group in groups(&crowded) {
+            cut_short.extend(self.probe_batch(scene, group, first_only, lanes, answers)?.1);
+        }
+        for ray in &mut cut_short {
+            ray.slots = ray.slots.min(FIRST_SLOTS);
+        }
+        Ok(cut_short)
+    }
+
+    /// Answers those rays whose hits fit; returns the others with the room they need, and those whose loops were cut short.
     fn probe_batch(
         &self,
         scene: &GpuScene<'_>,
         pending: &[Pending],
         first_only: bool,
+        lanes: u32,
         answers: &mut [Vec<Hit>],
-    ) -> Result<Vec<Pending>, GpuError> {
+    ) -> Result<(Vec<Pending>, Vec<Pending>), GpuError> {
+        let (mut crowded, mut cut_short) = (Vec::new(), Vec::new());
         if pending.is_empty() {
-            return Ok(Vec::new());
+            return Ok((crowded, cut_short));
         }
-        let (hits, counts) = self.dispatch_rays(scene, pending, first_only)?;
-        let mut crowded = Vec::new();
+        let (hits, counts) = self.dispatch_rays(scene, pending, first_only, lanes)?;
         let mut first_slot = 0;
         for (ray, &count) in pending.iter().zip(&counts) {
             let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
             first_slot += ray.slots as usize;
+            if count == INCOMPLETE {
+                cut_short.push(*ray);
+                continue;
+            }
             if count > ray.slots && ray.slots < BATCH_SLOTS {
                 crowded.push(Pending { slots: count.min(BATCH_SLOTS), ..*ray });
                 continue;
@@ -120,7 +145,7 @@ impl Gpu {
                 .map(|hit| finish_hit(&scene.scene, hit, ray.prepared.start))
                 .collect();
         }
-        Ok(crowded)
+        Ok((crowded, cut_short))
     }
 
     fn dispatch_rays(
@@ -128,6 +153,7 @@ impl Gpu {
         scene: &GpuScene<'_>,
         pending: &[Pending],
         first_only: bool,
+        lanes: u32,
     ) -> Result<(Vec<ProbeHit>, Vec<u32>), GpuError> {
         let mut slots = 0;
         let rays: Vec<ProbeRay> = pending
@@ -144,9 +170,9 @@ impl Gpu {
         let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
         let counts = self.create_output("probe counts", 4 * rays.len() as u64);
-        let pipeline = self.pipeline(Entry::Probe, "probe", Specialisation::of(scene.scene.header))?;
+        let pipeline = self.pipeline(Entry::Probe, "probe", Specialisation::of(scene.scene.header), lanes)?;
         let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
-        self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32)?;
+        self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
     }
 }

@@ -1,0 +1,48 @@
+//! Framing by sight: the camera that shows what is really there, not the box around it.
+//!
+//! A disc fills its box's middle, not its corners, and a picture framed by the corners shows it small and off the centre. So the scene is looked
+//! at twice: coarsely by the camera of the box, then by a camera around the points that were seen.
+
+use super::cpu::{Precision, probe};
+use super::{Camera, Ray, Viewpoint};
+use crate::numeric::Aabb;
+use crate::scene::Scene;
+use glam::DVec3;
+
+/// Rays along the longer side of the coarse look: a miss of half their spacing stays within the picture's margin.
+const COARSE: f64 = 240.0;
+
+impl Camera {
+    /// The camera for pictures of the scene that are `aspect` times as wide as high. Where the viewpoint says itself where to look or to stand,
+    /// it is taken at its word and the scene's box decides the rest.
+    pub fn framing(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
+        let by_box = Self::new(view, &bounds(scene).corners(), aspect);
+        if view.position.is_some() || view.focal_point.is_some() {
+            return by_box;
+        }
+        let seen = visible_points(scene, &by_box, aspect);
+        if seen.is_empty() { by_box } else { Self::new(view, &seen, aspect) }
+    }
+}
+
+/// The box around the whole scene in model space.
+pub fn bounds(scene: &Scene<'_>) -> Aabb {
+    let anchor = DVec3::from_array(scene.header.world_anchor);
+    let half = DVec3::from_array(scene.header.half_size.map(f64::from));
+    Aabb { min: anchor - half, max: anchor + half }
+}
+
+/// Where a coarse grid of the camera's rays first meets the scene.
+fn visible_points(scene: &Scene<'_>, camera: &Camera, aspect: f64) -> Vec<DVec3> {
+    let width = (COARSE * aspect.min(1.0)).ceil().max(1.0);
+    let height = (COARSE / aspect.max(1.0)).ceil().max(1.0);
+    let at = |i: usize, count: f64| (2 * i + 1) as f64 / count - 1.0;
+    let rays: Vec<Ray> = (0..height as usize)
+        .flat_map(|row| (0..width as usize).map(move |column| (column, row)))
+        .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
+        .collect();
+    let hits = probe(scene, &rays, Precision::F32, true);
+    let point =
+        |(ray, hits): (&Ray, &Vec<super::Hit>)| hits.first().map(|hit| ray.origin + ray.direction * hit.t);
+    rays.iter().zip(&hits).filter_map(point).collect()
+}

@@ -1,0 +1,90 @@
+//! Composite curves (ISO 10303-42: composite_curve, composite_curve_on_surface, boundary_curve) as pieces in order.
+
+use super::reader::{MAX_CHAIN, Mapped, Reader, problem, reference};
+use super::value::{Entity, Record};
+use crate::geometry::{Curve, join_curves, to_bspline::curve_to_bspline};
+use glam::DVec3;
+
+/// Ends of segments meet where they are closer than this share of the curve's size: files keep some five to seven digits.
+pub const MEETING: f64 = 1e-4;
+
+/// The keywords of curves that are made of segments.
+const COMPOSITES: [&str; 4] =
+    ["COMPOSITE_CURVE", "COMPOSITE_CURVE_ON_SURFACE", "BOUNDARY_CURVE", "OUTER_BOUNDARY_CURVE"];
+
+/// A bounded piece of a curve.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    /// The carrier.
+    pub curve: Curve,
+    /// Parameters at start and end; descending where the piece runs against its curve.
+    pub range: [f64; 2],
+    /// The file's entity number.
+    pub entity: u64,
+}
+
+impl Piece {
+    /// The point at the share `s` of the way.
+    pub fn at(&self, s: f64) -> DVec3 {
+        self.curve.point(self.range[0] + s * (self.range[1] - self.range[0]))
+    }
+
+    /// The greatest distance of some points from the start.
+    pub fn reach(&self) -> f64 {
+        let start = self.at(0.0);
+        (1..=8).map(|i| self.at(f64::from(i) / 8.0).distance(start)).fold(0.0, f64::max)
+    }
+}
+
+/// The record with the segments of a composite curve and their position; `None` for other curves.
+pub fn segments<'e, 'a>(entity: &'e Entity<'a>) -> Option<(&'e Record<'a>, usize)> {
+    if entity.records.len() > 1 {
+        return entity.record("COMPOSITE_CURVE").map(|record| (record, 0));
+    }
+    COMPOSITES.contains(&&*entity.first().keyword).then(|| (entity.first(), 1))
+}
+
+impl Reader<'_> {
+    /// The pieces of curve `id` in order, each run as its segment says; a single one where it is not composite.
+    pub fn pieces(&self, id: u64, depth: usize, pieces: &mut Vec<Piece>) -> Mapped<()> {
+        let entity = self.entity(id)?;
+        if depth > MAX_CHAIN {
+            return Err(problem(&entity, "curves refer to each other in a circle"));
+        }
+        let Some((record, at)) = segments(&entity) else {
+            let mapped = self.curve_in_chain(id, depth + 1)?;
+            let range = mapped.trim.unwrap_or(mapped.curve.domain());
+            if !range.iter().all(|t| t.is_finite()) {
+                return Err(problem(&entity, "a segment has no ends"));
+            }
+            pieces.push(Piece { curve: mapped.curve, range, entity: id });
+            return Ok(());
+        };
+        self.charge(&entity, record.list(at).len())?;
+        for id in record.references(at) {
+            let segment = self.entity(id)?;
+            let record = segment.record("COMPOSITE_CURVE_SEGMENT").unwrap_or(segment.first());
+            let start = pieces.len();
+            self.pieces(reference(id, record, 2)?, depth + 1, pieces)?;
+            if record.logical(1) == Some(false) {
+                pieces[start..].reverse();
+                pieces[start..].iter_mut().for_each(|piece| piece.range.reverse());
+            }
+        }
+        Ok(())
+    }
+
+    /// A composite curve as one B-spline, exactly.
+    pub fn composite_curve(&self, entity: &Entity, depth: usize) -> Mapped<Curve> {
+        let mut pieces = Vec::new();
+        self.pieces(entity.id, depth, &mut pieces)?;
+        let size = pieces.iter().map(Piece::reach).fold(0.0, f64::max);
+        pieces.retain(|piece| piece.reach() > 0.0);
+        if pieces.windows(2).any(|pair| pair[0].at(1.0).distance(pair[1].at(0.0)) > MEETING * size) {
+            return Err(problem(entity, "the segments do not meet"));
+        }
+        let splines: Vec<_> = pieces.iter().map(|p| curve_to_bspline(&p.curve, p.range)).collect();
+        let joined = join_curves(&splines).map_err(|error| problem(entity, error.to_string()))?;
+        Ok(Curve::Bspline(joined))
+    }
+}
