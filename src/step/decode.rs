@@ -53,6 +53,39 @@ pub fn decode(bytes: &[u8], id: u64, body: std::ops::Range<usize>) -> Result<Ent
     if records.is_empty() { Err(cursor.expected("a record")) } else { Ok(Entity { id, records }) }
 }
 
+/// The numbers of `keyword('..',(x,y,z))`, up to three and the missing ones 0: what most statements of a file are, read
+/// without a record. `None` where it is anything else, right or wrong; [`decode`] tells.
+pub fn triple(bytes: &[u8], body: std::ops::Range<usize>, keyword: &[u8]) -> Option<[f64; 3]> {
+    let mut cursor = Cursor { bytes: &bytes[..body.end], at: body.start };
+    cursor.skip_blank();
+    if !cursor.bytes[cursor.at..].starts_with(keyword) {
+        return None;
+    }
+    cursor.at += keyword.len();
+    let expect = |cursor: &mut Cursor, byte: u8| {
+        cursor.skip_blank();
+        cursor.take(byte).then_some(())
+    };
+    expect(&mut cursor, b'(')?;
+    cursor.skip_blank();
+    if cursor.peek() != Some(b'\'') || cursor.string().is_err() {
+        return None;
+    }
+    expect(&mut cursor, b',')?;
+    expect(&mut cursor, b'(')?;
+    let mut numbers = [0.0; 3];
+    for number in &mut numbers {
+        cursor.skip_blank();
+        *number = cursor.number().ok()?.real()?;
+        cursor.skip_blank();
+        if cursor.take(b')') {
+            return expect(&mut cursor, b')').map(|()| numbers);
+        }
+        expect(&mut cursor, b',')?;
+    }
+    None
+}
+
 /// Decodes the records of a header section.
 pub fn decode_header(bytes: &[u8], header: std::ops::Range<usize>) -> Vec<Record<'_>> {
     let mut cursor = Cursor { bytes: &bytes[..header.end], at: header.start };
@@ -282,6 +315,26 @@ mod tests {
             &deep,
         ] {
             assert!(decode(body.as_bytes(), 1, 0..body.len()).is_err(), "{body:.20}");
+        }
+    }
+
+    #[test]
+    fn triples_are_read_without_a_record() {
+        let read = |text: &str| triple(text.as_bytes(), 0..text.len(), b"CARTESIAN_POINT");
+        assert_eq!(read("CARTESIAN_POINT ( 'a''b' , ( 1. ,-2E1 /* x */, 3 ) ) "), Some([1.0, -20.0, 3.0]));
+        assert_eq!(read("CARTESIAN_POINT('',(1.,2.))"), Some([1.0, 2.0, 0.0]));
+        for other in [
+            "CARTESIAN_POINT('',())",
+            "CARTESIAN_POINT('',(1.,2.,3.,4.))",
+            "CARTESIAN_POINT('',(1.,$))",
+            "CARTESIAN_POINT_X('',(1.))",
+            "CARTESIAN_POINT($,(1.))",
+            "CARTESIAN_POINT('',(1.),2)",
+            "CARTESIAN_POINT('",
+            "(CARTESIAN_POINT((1.)))",
+            "",
+        ] {
+            assert_eq!(read(other), None, "{other}");
         }
     }
 

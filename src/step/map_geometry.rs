@@ -21,6 +21,9 @@ pub struct MappedCurve {
 impl Reader<'_> {
     /// A CARTESIAN_POINT in millimetres; missing coordinates are 0.
     pub fn point(&self, id: u64) -> Mapped<DVec3> {
+        if let Some(point) = self.plain_triple(id, "CARTESIAN_POINT") {
+            return Ok(point * self.units.millimetres);
+        }
         let entity = self.entity(id)?;
         let record =
             entity.record("CARTESIAN_POINT").ok_or_else(|| problem(&entity, "expected a CARTESIAN_POINT"))?;
@@ -32,6 +35,9 @@ impl Reader<'_> {
 
     /// A DIRECTION, not normalised.
     pub fn direction(&self, id: u64) -> Mapped<DVec3> {
+        if let Some(direction) = self.plain_triple(id, "DIRECTION") {
+            return Ok(direction);
+        }
         let entity = self.entity(id)?;
         let record = entity.record("DIRECTION").ok_or_else(|| problem(&entity, "expected a DIRECTION"))?;
         let ratios = record.parameters.iter().find_map(Value::list);

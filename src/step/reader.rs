@@ -6,6 +6,7 @@ use super::units::Units;
 use super::value::{Entity, Record};
 use crate::brep::{Diagnostic, Edge, Id, Model, Severity, Vertex};
 use crate::geometry::Surface;
+use glam::DVec3;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
@@ -99,6 +100,12 @@ impl<'a> Reader<'a> {
                 .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
+    }
+
+    /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.
+    pub fn plain_triple(&self, id: u64, keyword: &str) -> Option<DVec3> {
+        let body = self.index.find(id)?.body.clone();
+        decode::triple(self.index.bytes, body, keyword.as_bytes()).map(DVec3::from_array)
     }
 
     /// The keyword of entity `id` in upper case; empty where it is complex or missing.

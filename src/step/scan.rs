@@ -78,7 +78,16 @@ fn byte_order_mark(bytes: &[u8]) -> usize {
 }
 
 /// The first position at or after `at` that is neither white space (or another control character) nor in a comment.
-pub fn skip_blank(bytes: &[u8], mut at: usize) -> usize {
+#[inline]
+pub fn skip_blank(bytes: &[u8], at: usize) -> usize {
+    // Between most tokens there is nothing.
+    match bytes.get(at) {
+        Some(&byte) if byte > b' ' && byte != b'/' => at,
+        _ => skip_some_blank(bytes, at),
+    }
+}
+
+fn skip_some_blank(bytes: &[u8], mut at: usize) -> usize {
     while at < bytes.len() {
         if bytes[at] <= b' ' {
             at += 1;
