@@ -1,6 +1,7 @@
 //! Small files with surfaces that are faces by themselves, composite curves, offsets, and what is left out.
 
-use super::tests::{PRODUCT, cube, model, tube};
+use super::surface_tests::tube;
+use super::tests::{PRODUCT, cube, model};
 use crate::brep::{Model, Severity, TrimLoop};
 use crate::geometry::{Curve, Surface};
 use glam::{DVec2, DVec3};

@@ -38,6 +38,8 @@ mod bounded_tests;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
 mod tests;
 
 use crate::brep::{Model, Severity};
