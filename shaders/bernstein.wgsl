@@ -1,4 +1,4 @@
-// Bernstein basis functions; the twin of render/cpu/bernstein.rs.
+// Bernstein basis functions and the nets that they weigh; the twin of render/cpu/bernstein.rs.
 //
 // Here by powers, `B_i = binomial(m, i) tⁱ (1−t)^(m−i)`, of the next lower degree m, and in fours: a few loop turns instead of the
 // triangle's m²/2. Some drivers end a kernel's loops after a number of turns, and all are faster with fewer. Terms beyond the degree are 0.
@@ -46,4 +46,52 @@ fn basis_and_slopes(degree: u32, t: f32) -> Basis {
         before = lower.w;
     }
     return result;
+}
+
+struct NetJet {
+    value: vec4<f32>,
+    by_u: vec4<f32>,
+    by_v: vec4<f32>,
+}
+
+fn net_degrees(net: u32) -> vec2<u32> {
+    return (vec2<u32>(nets[net].degrees) >> vec2<u32>(0u, 8u)) & vec2<u32>(0xffu);
+}
+
+fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
+    let degrees = net_degrees(net);
+    var u = basis_and_slopes(degrees.x, uv.x);
+    var v = basis_and_slopes(degrees.y, uv.y);
+    var jet: NetJet;
+    for (var i = 0u; i <= degrees.x; i++) {
+        let first = nets[net].first_point + i * (degrees.y + 1u);
+        var row = vec4<f32>(0.0);
+        var row_v = vec4<f32>(0.0);
+        for (var c = 0u; c <= degrees.y / 4u; c++) {
+            let four = four_points(first, c, degrees.y, about);
+            row += four * v.values[c];
+            row_v += four * v.slopes[c];
+        }
+        let value = u.values[i / 4u][i % 4u];
+        jet.value += row * value;
+        jet.by_u += row * u.slopes[i / 4u][i % 4u];
+        jet.by_v += row_v * value;
+    }
+    return jet;
+}
+
+// The points of a row that belong to chunk `c` of the basis functions; those beyond the row meet basis functions that are 0.
+fn four_points(first: u32, c: u32, degree: u32, about: vec3<f32>) -> mat4x4<f32> {
+    let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degree));
+    return mat4x4<f32>(
+        moved_point(first + column.x, about),
+        moved_point(first + column.y, about),
+        moved_point(first + column.z, about),
+        moved_point(first + column.w, about),
+    );
+}
+
+fn moved_point(index: u32, about: vec3<f32>) -> vec4<f32> {
+    let p = net_points[index];
+    return vec4<f32>(p.xyz - about * p.w, p.w);
 }

@@ -1,6 +1,8 @@
 // Rays against a leaf of a rational Bézier net; the twin of render/cpu/net.rs, where the essay is.
 
 const MAX_ROOTS: u32 = 6u;
+const MAX_ISOLATION_LEVEL: u32 = 8u;
+const MAX_ISOLATION_CELLS: u32 = 128u;
 const OVERLAP: f32 = 1.0 / 1048576.0;
 // √EPSILON, exactly.
 const SQRT_EPSILON: f32 = 3.4526698e-4;
@@ -35,13 +37,6 @@ struct RayPlanes {
     major: u32,
     minor: vec2<u32>,
     slope: vec2<f32>,
-    at: vec2<f32>,
-}
-
-struct PlaneValues {
-    f: vec2<f32>,
-    f_u: vec2<f32>,
-    f_v: vec2<f32>,
 }
 
 struct Tangents {
@@ -63,6 +58,10 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     }
     let domain = leaf_domain(leaf);
     let planes = ray_planes(ray);
+    if !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u {
+        isolate(leaf, ray, planes, domain, &roots);
+        return roots;
+    }
     // Starts in the twin's order: three along the ray, then five across the leaf; a certified leaf needs one, a flat one has no plane.
     let first = select(0u, 3u, hit.flat_leaf);
     let last = select(8u, 1u, hit.unique);
@@ -187,7 +186,6 @@ fn certificate(leaf: u32) -> vec3<f32> {
 
 fn ray_planes(ray: PrimitiveRay) -> RayPlanes {
     let d = ray.direction;
-    let o = ray.origin;
     var major = 2u;
     if abs(d.x) >= abs(d.y) && abs(d.x) >= abs(d.z) {
         major = 0u;
@@ -196,8 +194,62 @@ fn ray_planes(ray: PrimitiveRay) -> RayPlanes {
     }
     let minor = vec2<u32>((major + 1u) % 3u, (major + 2u) % 3u);
     let slope = vec2<f32>(d[minor.x] / d[major], d[minor.y] / d[major]);
-    let at = vec2<f32>(o[minor.x] - slope.x * o[major], o[minor.y] - slope.y * o[major]);
-    return RayPlanes(major, minor, slope, at);
+    return RayPlanes(major, minor, slope);
+}
+
+fn plane_values(planes: RayPlanes, p: vec4<f32>) -> vec2<f32> {
+    return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major];
+}
+
+fn isolate(leaf: u32, ray: PrimitiveRay, planes: RayPlanes, domain: Domain, roots: ptr<function, NetRoots>) {
+    let a = net_leaves[leaf].tangent_u;
+    let b = net_leaves[leaf].tangent_v;
+    let bend = f32(net_leaves[leaf].certificate >> 24u) * (1.0 / 64.0) * min(length(a), length(b)) * sqrt(2.0);
+    let size = greatest(net_leaves[leaf].center) + greatest(ray.origin) + greatest(a) + greatest(b);
+    let rounding = size * 16.0 * EPSILON;
+    var level = 0u;
+    var cell = vec2<u32>(0u);
+    for (var i = 0u; i < MAX_ISOLATION_CELLS; i++) {
+        let radius = 0.5 / f32(1u << level);
+        let uv = domain.low + domain.size * (vec2<f32>(cell * 2u + vec2<u32>(1u)) * radius);
+        let jet = net_jet(net_leaves[leaf].net, ray.origin, uv);
+        let scale = 1.0 / jet.value.w;
+        let f = plane_values(planes, jet.value) * scale;
+        let f_s = (plane_values(planes, jet.by_u) - f * jet.by_u.w) * scale * domain.size.x;
+        let f_t = (plane_values(planes, jet.by_v) - f * jet.by_v.w) * scale * domain.size.y;
+        let reach = radius * (1.0 + 1.0 / 64.0);
+        let remainder = bend * 0.5 * reach * reach + rounding;
+        let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
+        let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
+        let rows = vec2<f32>(abs(f_t.x) + abs(f_t.y), abs(f_s.x) + abs(f_s.y));
+        let room = reach * abs(determinant);
+        let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + remainder) || any(abs(step) > room + rows * remainder);
+        if !misses {
+            let is_regular = max(rows.x, rows.y) * bend * reach < 0.4 * abs(determinant);
+            if !is_regular && level < MAX_ISOLATION_LEVEL {
+                level += 1u;
+                cell *= 2u;
+                continue;
+            }
+            var start = uv;
+            if is_regular {
+                start -= step / determinant * domain.size;
+            }
+            search(leaf, ray, planes, domain, start, is_regular && level <= 2u, roots);
+        }
+        while level > 0u && (cell.x & cell.y & 1u) == 1u {
+            level -= 1u;
+            cell = cell >> vec2<u32>(1u);
+        }
+        if level == 0u {
+            return;
+        }
+        if (cell.x & 1u) == 0u {
+            cell.x += 1u;
+        } else {
+            cell = vec2<u32>(cell.x - 1u, cell.y + 1u);
+        }
+    }
 }
 
 fn search(
@@ -215,10 +267,13 @@ fn search(
     let limit = select(16u, 10u, unique);
     var converged = false;
     for (var i = 0u; i < limit; i++) {
-        let p = plane_values(net, planes, uv);
-        let determinant = p.f_u.x * p.f_v.y - p.f_u.y * p.f_v.x;
-        let du = (p.f.x * p.f_v.y - p.f.y * p.f_v.x) / determinant;
-        let dv = (p.f_u.x * p.f.y - p.f_u.y * p.f.x) / determinant;
+        let jet = net_jet(net, ray.origin, uv);
+        let f = plane_values(planes, jet.value);
+        let f_u = plane_values(planes, jet.by_u);
+        let f_v = plane_values(planes, jet.by_v);
+        let determinant = f_u.x * f_v.y - f_u.y * f_v.x;
+        let du = (f.x * f_v.y - f.y * f_v.x) / determinant;
+        let dv = (f_u.x * f.y - f_u.y * f.x) / determinant;
         if !(is_finite(du) && is_finite(dv)) {
             return;
         }
@@ -238,12 +293,12 @@ fn search(
     if !(on_net && is_within(uv, domain, margin)) {
         return;
     }
-    let point = net_position(net, uv);
-    let from_origin = point - ray.origin;
+    let at = net_jet(net, ray.origin, uv).value;
+    let from_origin = at.xyz * (1.0 / at.w);
     let t = dot(from_origin, ray.direction) / dot(ray.direction, ray.direction);
     let miss = greatest(from_origin - ray.direction * t);
     let size = greatest(net_leaves[leaf].tangent_u) + greatest(net_leaves[leaf].tangent_v);
-    let rounding = (size + greatest(point)) * EPSILON;
+    let rounding = (size + greatest(from_origin + ray.origin)) * EPSILON;
     if !(miss <= rounding * select(64.0, 4096.0, converged)) {
         return;
     }
@@ -267,69 +322,6 @@ fn add_root(roots: ptr<function, NetRoots>, root: NetRoot, domain: Domain) {
     }
 }
 
-fn plane_values(net: u32, planes: RayPlanes, uv: vec2<f32>) -> PlaneValues {
-    let degrees = net_degrees(net);
-    var u = basis_and_slopes(degrees.x, uv.x);
-    var v = basis_and_slopes(degrees.y, uv.y);
-    var result: PlaneValues;
-    for (var i = 0u; i <= degrees.x; i++) {
-        let first = nets[net].first_point + i * (degrees.y + 1u);
-        var row = vec2<f32>(0.0);
-        var row_v = vec2<f32>(0.0);
-        for (var c = 0u; c <= degrees.y / 4u; c++) {
-            // Four points a time; those beyond the row meet basis functions that are 0.
-            let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.y));
-            let four = mat4x2<f32>(
-                plane_terms(net_points[first + column.x], planes),
-                plane_terms(net_points[first + column.y], planes),
-                plane_terms(net_points[first + column.z], planes),
-                plane_terms(net_points[first + column.w], planes),
-            );
-            row += four * v.values[c];
-            row_v += four * v.slopes[c];
-        }
-        let value = u.values[i / 4u][i % 4u];
-        result.f += row * value;
-        result.f_u += row * u.slopes[i / 4u][i % 4u];
-        result.f_v += row_v * value;
-    }
-    return result;
-}
-
-fn plane_terms(p: vec4<f32>, planes: RayPlanes) -> vec2<f32> {
-    return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major] - planes.at * p.w;
-}
-
-fn net_degrees(net: u32) -> vec2<u32> {
-    return (vec2<u32>(nets[net].degrees) >> vec2<u32>(0u, 8u)) & vec2<u32>(0xffu);
-}
-
-fn net_position(net: u32, uv: vec2<f32>) -> vec3<f32> {
-    let degrees = net_degrees(net);
-    var u = basis_and_slopes(degrees.x, uv.x);
-    var v = basis_and_slopes(degrees.y, uv.y);
-    var sum = vec4<f32>(0.0);
-    for (var i = 0u; i <= degrees.x; i++) {
-        var row = vec4<f32>(0.0);
-        for (var c = 0u; c <= degrees.y / 4u; c++) {
-            row += four_points(nets[net].first_point + i * (degrees.y + 1u), c, degrees.y) * v.values[c];
-        }
-        sum += row * u.values[i / 4u][i % 4u];
-    }
-    return sum.xyz * (1.0 / sum.w);
-}
-
-// The points of a row that belong to chunk `c` of the basis functions.
-fn four_points(first: u32, c: u32, degree: u32) -> mat4x4<f32> {
-    let column = min(vec4<u32>(4u * c) + vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degree));
-    return mat4x4<f32>(
-        net_points[first + column.x],
-        net_points[first + column.y],
-        net_points[first + column.z],
-        net_points[first + column.w],
-    );
-}
-
 fn net_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
     var at = uv;
     for (var i = 0; i < 4; i++) {
@@ -346,25 +338,7 @@ fn net_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
 }
 
 fn net_tangents(net: u32, uv: vec2<f32>) -> Tangents {
-    let degrees = net_degrees(net);
-    var u = basis_and_slopes(degrees.x, uv.x);
-    var v = basis_and_slopes(degrees.y, uv.y);
-    var sum = vec4<f32>(0.0);
-    var sum_u = vec4<f32>(0.0);
-    var sum_v = vec4<f32>(0.0);
-    for (var i = 0u; i <= degrees.x; i++) {
-        var row = vec4<f32>(0.0);
-        var row_v = vec4<f32>(0.0);
-        for (var c = 0u; c <= degrees.y / 4u; c++) {
-            let four = four_points(nets[net].first_point + i * (degrees.y + 1u), c, degrees.y);
-            row += four * v.values[c];
-            row_v += four * v.slopes[c];
-        }
-        let value = u.values[i / 4u][i % 4u];
-        sum += row * value;
-        sum_u += row * u.slopes[i / 4u][i % 4u];
-        sum_v += row_v * value;
-    }
-    let point = sum.xyz * (1.0 / sum.w);
-    return Tangents(sum_u.xyz - point * sum_u.w, sum_v.xyz - point * sum_v.w);
+    let jet = net_jet(net, vec3<f32>(0.0), uv);
+    let point = jet.value.xyz * (1.0 / jet.value.w);
+    return Tangents(jet.by_u.xyz - point * jet.by_u.w, jet.by_v.xyz - point * jet.by_v.w);
 }

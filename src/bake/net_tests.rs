@@ -124,6 +124,15 @@ fn check_leaves(surface: &BsplineSurface, nets: &Nets, origin: DVec3, window: Pa
     certified
 }
 
+/// A bent tube, closed within one span of degree 6.
+fn tube() -> BsplineSurface {
+    surface([6, 3], [7, 4], |i, j| {
+        let (sine, cosine) = (std::f64::consts::TAU * i as f64 / 6.0).sin_cos();
+        let bend = (j * j) as f64;
+        DVec3::new(3.0 * cosine + bend, 3.0 * sine, 6.0 * j as f64).extend(1.0)
+    })
+}
+
 /// The area of all leaves of each net, in the net's own units.
 fn covered(nets: &Nets) -> Vec<f64> {
     let mut area = vec![0.0; nets.nets.len()];
@@ -141,6 +150,7 @@ fn slabs_hold_the_surface_and_leaves_cover_it() {
         ("bilinear", wavy(1, 4, 0.0), 0.9),
         ("degree 7", wavy(7, 9, 0.0), 0.9),
         ("sphere octant", octant(), 0.5),
+        ("tube", tube(), 0.9),
     ];
     for (name, surface, least_certified) in surfaces {
         let (nets, origin, outline) = baked(&surface, vec![]);

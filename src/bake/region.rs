@@ -91,10 +91,9 @@ impl Region {
             if !(1..=MAX_DEGREE).contains(&degree) {
                 return Err(format!("a trim curve has degree {degree}"));
             }
-            if !curve.points.iter().all(|p| p.is_finite() && p.z > 0.0) {
-                return Err(
-                    "a trim curve has a point that is not finite or a weight that is not positive".into()
-                );
+            // As the scene will hold them: weights may be too small for f32, and points too far out.
+            if !curve.points.iter().map(|p| p.as_vec3()).all(|p| p.is_finite() && p.z >= f32::MIN_POSITIVE) {
+                return Err("a trim curve has points or weights beyond single precision".into());
             }
             ends.push([vertex(curve.points[0]), vertex(curve.points[degree])]);
         }

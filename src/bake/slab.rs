@@ -82,8 +82,9 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         * 0.25;
     let mut split_axis = usize::from(bend_v > bend_u);
     let pole = pole_axis(patch, &cartesian);
+    let longer = || usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
     if pole.is_none() && twist > bend_u.max(bend_v) {
-        split_axis = usize::from(length_v > length_u);
+        split_axis = longer();
     }
 
     let sine = mean_u.cross(mean_v).length();
@@ -111,7 +112,7 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
     } else if pole.is_none() {
         // Slender, or closed in itself: the mean tangent of a closed direction vanishes, but its polygon does not.
-        split_axis = usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
+        split_axis = longer();
     }
     if let Some(axis) = weight_axis(patch) {
         (distortion, split_axis) = (distortion.max(1.0), axis);

@@ -3,7 +3,7 @@
 use super::trim_tree::{MAX_DEPTH, TrimTree};
 use crate::geometry::{Homogeneous, Homogeneous2};
 use crate::scene::TrimSegment;
-use crate::scene::trim_node::{self, TrimNode, split_position};
+use crate::scene::trim_node::{self, TrimNode, child_range, split_position};
 
 /// The state of `point`, normalised and in [0, 1]².
 pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
@@ -16,14 +16,14 @@ pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
                 let axis = axis as usize;
                 let position = split_position(low[axis], size[axis], plane);
                 let far = right == trim_node::FAR;
-                if point[axis] < position {
-                    size[axis] = position - low[axis];
-                    at += if far { 2 } else { 1 };
-                } else {
-                    size[axis] -= position - low[axis];
-                    low[axis] = position;
-                    at += if far { tree.nodes[at + 1] as usize } else { right as usize };
-                }
+                let is_right = point[axis] >= position;
+                (low[axis], size[axis]) = child_range(low[axis], size[axis], position, is_right);
+                at += match (is_right, far) {
+                    (false, false) => 1,
+                    (false, true) => 2,
+                    (true, false) => right as usize,
+                    (true, true) => tree.nodes[at + 1] as usize,
+                };
             }
             TrimNode::Leaf { inside, count, first } => {
                 let count = if count == trim_node::MANY { tree.nodes[at + 1] } else { count } as usize;

@@ -201,6 +201,15 @@ fn corners_beside_planes_by_a_rounding() {
 }
 
 #[test]
+fn curves_beyond_single_precision_are_refused() {
+    for point in [DVec2::new(0.5, 2.0).extend(1e-60), DVec2::new(1e60, 2.0).extend(1.0)] {
+        let mut trimmed = trim(vec![circle(DVec2::ZERO, 1.0)]);
+        trimmed.curves[0].points[1] = point;
+        Region::new(&trimmed).expect_err("no such numbers in f32");
+    }
+}
+
+#[test]
 fn open_chains_are_closed_by_links() {
     let p = |x: f64, y: f64| DVec2::new(x, y);
     let mut open = polygon(&[p(0.0, 0.0), p(1.0, 0.1), p(0.9, 1.0), p(0.1, 0.8)]);

@@ -15,7 +15,7 @@
 use super::region::{Piece, Region};
 use crate::geometry::Homogeneous2;
 use crate::scene::TrimSegment;
-use crate::scene::trim_node::{self, PLANE_STEPS, TrimNode, split_position};
+use crate::scene::trim_node::{self, PLANE_STEPS, TrimNode, child_range, split_position};
 
 /// Levels of a tree.
 pub(super) const MAX_DEPTH: usize = 24;
@@ -127,12 +127,14 @@ impl Builder<'_> {
         drop(pieces);
         let near_budget =
             (budget as f64 * near.len() as f64 / (near.len() + far.len()).max(1) as f64) as usize;
-        let mut near_cell = cell;
+        let child = |is_right: bool| {
+            let mut child = cell;
+            (child.low[axis], child.size[axis]) =
+                child_range(cell.low[axis], cell.size[axis], position, is_right);
+            child
+        };
+        let (mut near_cell, far_cell) = (child(false), child(true));
         near_cell.high[axis] = position;
-        near_cell.size[axis] = position - cell.low[axis];
-        let mut far_cell = cell;
-        far_cell.low[axis] = position;
-        far_cell.size[axis] = cell.size[axis] - (position - cell.low[axis]);
         let far_inside = state_beyond(cell.low, far_cell.low, inside, near.iter().chain(&far));
 
         let word = self.tree.nodes.len();

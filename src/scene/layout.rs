@@ -363,6 +363,13 @@ pub mod trim_node {
         low + plane as f32 * (1.0 / PLANE_STEPS as f32) * size
     }
 
+    /// Least coordinate and size, along the split axis, of the left or the right child of a cell that is split at `position`.
+    #[inline(always)]
+    pub fn child_range(low: f32, size: f32, position: f32, is_right: bool) -> (f32, f32) {
+        let left = position - low;
+        if is_right { (position, size - left) } else { (low, left) }
+    }
+
     /// An unpacked word.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum TrimNode {

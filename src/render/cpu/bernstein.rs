@@ -1,6 +1,9 @@
-//! Bernstein basis functions in arrays of fixed size, as a shader needs them.
+//! Bernstein basis functions in arrays of fixed size, as a shader needs them, and the nets that they weigh.
 
+use super::Kernel;
+use super::vector::Vector3;
 use crate::numeric::Real;
+use crate::scene::{Net, Scene};
 
 /// One more than the highest degree of a net.
 pub const MAX_ORDER: usize = 26;
@@ -31,4 +34,66 @@ pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T
         before = value;
     }
     (basis, slopes)
+}
+
+/// Homogeneous value of a net at a point, and its derivatives by u and v.
+#[derive(Debug, Clone, Copy)]
+pub struct NetJet<T> {
+    /// (x − about.x · w, …, w).
+    pub value: [T; 4],
+    /// By local u.
+    pub by_u: [T; 4],
+    /// By local v.
+    pub by_v: [T; 4],
+}
+
+/// Degrees along u and v.
+#[inline(always)]
+pub fn net_degrees(net: &Net) -> (usize, usize) {
+    ((net.degrees & 0xff) as usize, (net.degrees >> 8 & 0xff) as usize)
+}
+
+/// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
+pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [T; 2]) -> NetJet<T> {
+    let (degree_u, degree_v) = net_degrees(net);
+    match degree_u.max(degree_v) {
+        0..=3 => net_jet_within::<T, 4>(scene, net, about, uv),
+        4..=11 => net_jet_within::<T, 12>(scene, net, about, uv),
+        _ => net_jet_within::<T, MAX_ORDER>(scene, net, about, uv),
+    }
+}
+
+/// [`net_jet`] of a net whose degrees are below `ORDER`.
+#[inline(always)]
+fn net_jet_within<T: Kernel, const ORDER: usize>(
+    scene: &Scene<'_>,
+    net: &Net,
+    about: Vector3<T>,
+    uv: [T; 2],
+) -> NetJet<T> {
+    let (degree_u, degree_v) = net_degrees(net);
+    let (basis_u, slope_u) = basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
+    let (basis_v, slope_v) = basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
+    let shift = [about.x, about.y, about.z, T::ZERO];
+    let zero = [T::ZERO; 4];
+    let mut jet = NetJet { value: zero, by_u: zero, by_v: zero };
+    let mut index = net.first_point as usize;
+    for i in 0..=degree_u {
+        let (mut row, mut row_v) = (zero, zero);
+        for j in 0..=degree_v {
+            let p = T::net_point(scene, index);
+            index += 1;
+            for k in 0..4 {
+                let moved = p[k] - shift[k] * p[3];
+                row[k] += moved * basis_v[j];
+                row_v[k] += moved * slope_v[j];
+            }
+        }
+        for k in 0..4 {
+            jet.value[k] += row[k] * basis_u[i];
+            jet.by_u[k] += row[k] * slope_u[i];
+            jet.by_v[k] += row_v[k] * basis_u[i];
+        }
+    }
+    jet
 }

@@ -5,21 +5,28 @@
 //!
 //! **Certificate.** Projected along the ray onto the leaf's plane, the surface is `(α − (d₀/d₂) γ, β − (d₁/d₂) γ)` with (d₀, d₁, d₂) = D d. With the leaf's bounds
 //! on how far α, β, γ deviate from linear, `(1 − E_α) |d₂| > E_γ |d₀|` and `(1 − E_β) |d₂| > E_γ |d₁|` make it a contraction away from the
-//! identity: at most one root lies in the leaf and Newton's method, started at the ray's crossing of the leaf's plane, finds it. Without the certificate
-//! several starts look for several roots.
+//! identity: at most one root lies in the leaf and Newton's method, started at the ray's crossing of the leaf's plane, finds it.
+//!
+//! **Isolation.** Without the certificate the leaf's bound on second derivatives drives a quadtree over its domain (Kantorovich's test, after
+//! Srijuntongsiri and Vavasis 2007): cells that cannot hold a root are dropped, those where Newton's method cannot fail are searched, others are quartered.
+//! Leaves without any bound get several starts.
 //!
 //! **Newton.** Two planes contain the ray (Kajiya 1982), sheared along the direction's greatest component (Woop, Benthin and Wald 2013); their
 //! equations are put to the homogeneous numerators, which are polynomials also where the net is rational.
 
-use super::bernstein::MAX_ORDER;
+use super::Kernel;
+use super::bernstein::{NetJet, net_jet};
 use super::ray_space::PrimitiveRay;
 use super::vector::{Vector3, number, vec3};
-use super::{Kernel, bernstein};
 use crate::numeric::Real;
 use crate::scene::{Net, NetLeaf, Scene};
 
 /// Roots kept per leaf.
 pub const MAX_ROOTS: usize = 6;
+
+/// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
+const MAX_ISOLATION_LEVEL: u32 = 8;
+const MAX_ISOLATION_CELLS: u32 = 128;
 
 /// Accepted excess of (u, v) over [0, 1]: twice the worst that f32 was seen to need so that no ray slips between two nets.
 const OVERLAP: f64 = 1.0 / 1_048_576.0;
@@ -98,6 +105,10 @@ pub fn leaf_roots<T: Kernel>(
         let middle = (-hit.at.z / hit.along.z).max(hit.enter).min(hit.leave);
         let start = slab_start(&hit, middle, &domain);
         search(scene, leaf, net, ray, &planes, &domain, start, true, &mut roots);
+        return roots;
+    }
+    if leaf.certificate >> 24 != 255 {
+        isolate(scene, leaf, net, ray, &planes, &domain, &mut roots);
         return roots;
     }
     if !hit.flat {
@@ -215,20 +226,19 @@ fn certificate<T: Real>(leaf: &NetLeaf) -> [T; 3] {
     [bound(0), bound(8), bound(16)]
 }
 
-/// The two planes through a ray: `p − along·slope` in the two minor axes is constant on it.
+/// The two planes through a ray: about its origin, `p − along·slope` in the two minor axes is 0 on it.
 #[derive(Debug, Clone, Copy)]
 struct RayPlanes<T> {
     /// The greatest component of the direction.
     major: usize,
     minor: [usize; 2],
+    /// At most 1.
     slope: [T; 2],
-    /// The constants.
-    at: [T; 2],
 }
 
 #[inline]
 fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
-    let (d, o) = (ray.direction.to_array(), ray.origin.to_array());
+    let d = ray.direction.to_array();
     let major = if d[0].abs() >= d[1].abs() && d[0].abs() >= d[2].abs() {
         0
     } else if d[1].abs() >= d[2].abs() {
@@ -238,8 +248,83 @@ fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
     };
     let minor = [(major + 1) % 3, (major + 2) % 3];
     let slope = [d[minor[0]] / d[major], d[minor[1]] / d[major]];
-    let at = [o[minor[0]] - slope[0] * o[major], o[minor[1]] - slope[1] * o[major]];
-    RayPlanes { major, minor, slope, at }
+    RayPlanes { major, minor, slope }
+}
+
+/// Searches the leaf cell by cell, from the whole one down.
+///
+/// In a cell of half width r about a point with plane values F and derivatives J (by the leaf's own parameters), F is linear up to
+/// `½ B r²` with B a bound of `|F_ss| + 2 |F_st| + |F_tt|`, so a root needs `|F| <= |J| r + ½ B r²` and `|J⁻¹ F| <= r + |J⁻¹| ½ B r²`. With
+/// `|J⁻¹| B r < 0.4` the first step is at most 1.2 r, and `|J⁻¹| B · 1.2 r < ½` is Kantorovich's condition: Newton's method finds the only root.
+fn isolate<T: Kernel>(
+    scene: &Scene<'_>,
+    leaf: &NetLeaf,
+    net: &Net,
+    ray: &PrimitiveRay<T>,
+    planes: &RayPlanes<T>,
+    domain: &Domain<T>,
+    roots: &mut NetRoots<T>,
+) {
+    let a = Vector3::<T>::from_f32(leaf.tangent_u);
+    let b = Vector3::<T>::from_f32(leaf.tangent_v);
+    // Slopes are at most 1, so that a plane's value changes by up to √2 of the way.
+    let bend = T::from_f32((leaf.certificate >> 24) as f32 * (1.0 / 64.0))
+        * a.length().min(b.length())
+        * number(std::f64::consts::SQRT_2);
+    let center = Vector3::<T>::from_f32(leaf.center);
+    let rounding = (center.greatest() + ray.origin.greatest() + a.greatest() + b.greatest())
+        * number::<T>(16.0)
+        * T::EPSILON;
+    let half = number::<T>(0.5);
+    let (mut level, mut cell) = (0_u32, [0_u32; 2]);
+    for _ in 0..MAX_ISOLATION_CELLS {
+        let radius = half / T::from_f32((1_u32 << level) as f32);
+        let middle =
+            |k: usize| domain.low[k] + domain.size[k] * (T::from_f32((2 * cell[k] + 1) as f32) * radius);
+        let uv = [middle(0), middle(1)];
+        let NetJet { value, by_u, by_v } = net_jet(scene, net, ray.origin, uv);
+        let scale = T::ONE / value[3];
+        let f = plane_values(planes, value).map(|x| x * scale);
+        let slopes = |derivative: [T; 4], size: T| {
+            let d = plane_values(planes, derivative);
+            [0, 1].map(|k| (d[k] - f[k] * derivative[3]) * scale * size)
+        };
+        let (f_s, f_t) = (slopes(by_u, domain.size[0]), slopes(by_v, domain.size[1]));
+        // A little more than the cell, so that roots on its edges are in it.
+        let reach = radius * number(1.0 + 1.0 / 64.0);
+        let remainder = bend * half * reach * reach + rounding;
+        let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
+        let ds = f[0] * f_t[1] - f[1] * f_t[0];
+        let dt = f_s[0] * f[1] - f_s[1] * f[0];
+        let (row_s, row_t) = (f_t[0].abs() + f_t[1].abs(), f_s[0].abs() + f_s[1].abs());
+        let room = reach * determinant.abs();
+        let misses = f[0].abs() > (f_s[0].abs() + f_t[0].abs()) * reach + remainder
+            || f[1].abs() > (f_s[1].abs() + f_t[1].abs()) * reach + remainder
+            || ds.abs() > room + row_s * remainder
+            || dt.abs() > room + row_t * remainder;
+        if !misses {
+            let is_regular = row_s.max(row_t) * bend * reach < number::<T>(0.4) * determinant.abs();
+            if is_regular {
+                let step = |k: usize, d: T| uv[k] - d / determinant * domain.size[k];
+                search(scene, leaf, net, ray, planes, domain, [step(0, ds), step(1, dt)], level <= 2, roots);
+            } else if level < MAX_ISOLATION_LEVEL {
+                level += 1;
+                cell = [2 * cell[0], 2 * cell[1]];
+                continue;
+            } else {
+                search(scene, leaf, net, ray, planes, domain, uv, false, roots);
+            }
+        }
+        // The next of four, or of the parent's four.
+        while level > 0 && cell[0] & cell[1] & 1 == 1 {
+            level -= 1;
+            cell = [cell[0] >> 1, cell[1] >> 1];
+        }
+        if level == 0 {
+            return;
+        }
+        cell = if cell[0] & 1 == 0 { [cell[0] + 1, cell[1]] } else { [cell[0] - 1, cell[1] + 1] };
+    }
 }
 
 /// One Newton search; adds the root it ends at, if it is one of the leaf's and new.
@@ -260,7 +345,8 @@ fn search<T: Kernel>(
     let limit = if unique { 10 } else { 16 };
     let mut converged = false;
     for _ in 0..limit {
-        let [f, f_u, f_v] = plane_values(scene, net, planes, uv);
+        let jet = net_jet(scene, net, ray.origin, uv);
+        let [f, f_u, f_v] = [jet.value, jet.by_u, jet.by_v].map(|p| plane_values(planes, p));
         let determinant = f_u[0] * f_v[1] - f_u[1] * f_v[0];
         let du = (f[0] * f_v[1] - f[1] * f_v[0]) / determinant;
         let dv = (f_u[0] * f[1] - f_u[1] * f[0]) / determinant;
@@ -286,14 +372,14 @@ fn search<T: Kernel>(
     if !(on_net(uv[0]) && on_net(uv[1]) && is_within(uv, domain, margin)) {
         return;
     }
-    let point = net_position(scene, net, uv);
-    let from_origin = point - ray.origin;
+    let at = net_jet(scene, net, ray.origin, uv).value;
+    let from_origin = vec3(at[0], at[1], at[2]) * (T::ONE / at[3]);
     let t = from_origin.dot(ray.direction) / ray.direction.dot(ray.direction);
     let miss = (from_origin - ray.direction * t).greatest();
     let size =
         Vector3::<T>::from_f32(leaf.tangent_u).greatest() + Vector3::<T>::from_f32(leaf.tangent_v).greatest();
     // What does not converge within the limit is a near tangent: it counts where the ray comes as close as the roundings let us tell.
-    let rounding = (size + point.greatest()) * T::EPSILON;
+    let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
     let tolerance = rounding * if converged { number::<T>(4096.0) } else { number::<T>(64.0) };
     if !(miss <= tolerance) {
         return;
@@ -322,78 +408,11 @@ fn add_root<T: Real>(roots: &mut NetRoots<T>, root: NetRoot<T>, domain: &Domain<
     }
 }
 
-/// The two plane equations at (u, v) and their derivatives by u and v, times the weight.
-#[inline]
-fn plane_values<T: Kernel>(scene: &Scene<'_>, net: &Net, planes: &RayPlanes<T>, uv: [T; 2]) -> [[T; 2]; 3] {
-    let (degree_u, degree_v) = net_degrees(net);
-    match degree_u.max(degree_v) {
-        0..=3 => plane_values_within::<T, 4>(scene, net, planes, uv),
-        4..=7 => plane_values_within::<T, 8>(scene, net, planes, uv),
-        _ => plane_values_within::<T, MAX_ORDER>(scene, net, planes, uv),
-    }
-}
-
-/// [`plane_values`] of a net whose degrees are below `ORDER`.
+/// The two plane equations of a homogeneous vector about the ray's origin.
 #[inline(always)]
-fn plane_values_within<T: Kernel, const ORDER: usize>(
-    scene: &Scene<'_>,
-    net: &Net,
-    planes: &RayPlanes<T>,
-    uv: [T; 2],
-) -> [[T; 2]; 3] {
-    let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, slope_u) = bernstein::basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
-    let (basis_v, slope_v) = bernstein::basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
+fn plane_values<T: Real>(planes: &RayPlanes<T>, p: [T; 4]) -> [T; 2] {
     let [first, second] = planes.minor;
-    let zero = T::ZERO;
-    let (mut f, mut f_u, mut f_v) = ([zero; 2], [zero; 2], [zero; 2]);
-    let mut index = net.first_point as usize;
-    for i in 0..=degree_u {
-        let (mut row, mut row_v) = ([zero; 2], [zero; 2]);
-        for j in 0..=degree_v {
-            let p = T::net_point(scene, index);
-            index += 1;
-            let x = p[first] - planes.slope[0] * p[planes.major] - planes.at[0] * p[3];
-            let y = p[second] - planes.slope[1] * p[planes.major] - planes.at[1] * p[3];
-            row = [row[0] + x * basis_v[j], row[1] + y * basis_v[j]];
-            row_v = [row_v[0] + x * slope_v[j], row_v[1] + y * slope_v[j]];
-        }
-        f = [f[0] + row[0] * basis_u[i], f[1] + row[1] * basis_u[i]];
-        f_u = [f_u[0] + row[0] * slope_u[i], f_u[1] + row[1] * slope_u[i]];
-        f_v = [f_v[0] + row_v[0] * basis_u[i], f_v[1] + row_v[1] * basis_u[i]];
-    }
-    [f, f_u, f_v]
-}
-
-/// Degrees along u and v.
-#[inline(always)]
-pub fn net_degrees(net: &Net) -> (usize, usize) {
-    ((net.degrees & 0xff) as usize, (net.degrees >> 8 & 0xff) as usize)
-}
-
-/// The point of the net, face space.
-#[inline]
-pub fn net_position<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector3<T> {
-    let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, _) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_u, uv[0]);
-    let (basis_v, _) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_v, uv[1]);
-    let mut sum = [T::ZERO; 4];
-    let mut index = net.first_point as usize;
-    for i in 0..=degree_u {
-        let mut row = [T::ZERO; 4];
-        for j in 0..=degree_v {
-            let p = T::net_point(scene, index);
-            index += 1;
-            for k in 0..4 {
-                row[k] += p[k] * basis_v[j];
-            }
-        }
-        for k in 0..4 {
-            sum[k] += row[k] * basis_u[i];
-        }
-    }
-    let scale = T::ONE / sum[3];
-    vec3(sum[0] * scale, sum[1] * scale, sum[2] * scale)
+    [p[first] - planes.slope[0] * p[planes.major], p[second] - planes.slope[1] * p[planes.major]]
 }
 
 /// The unit normal `S_u × S_v` of the net, face space; where it vanishes (a pole), that of a point a little inside.
@@ -415,23 +434,8 @@ pub fn net_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector
 
 /// S_u and S_v of the net by the quotient rule, each times the weight.
 fn net_tangents<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> [Vector3<T>; 2] {
-    let (degree_u, degree_v) = net_degrees(net);
-    let (basis_u, slope_u) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_u, uv[0]);
-    let (basis_v, slope_v) = bernstein::basis_and_slopes::<T, MAX_ORDER>(degree_v, uv[1]);
-    let (mut sum, mut sum_u, mut sum_v) = ([T::ZERO; 4], [T::ZERO; 4], [T::ZERO; 4]);
-    let mut index = net.first_point as usize;
-    for i in 0..=degree_u {
-        for j in 0..=degree_v {
-            let p = T::net_point(scene, index);
-            index += 1;
-            for k in 0..4 {
-                sum[k] += p[k] * (basis_u[i] * basis_v[j]);
-                sum_u[k] += p[k] * (slope_u[i] * basis_v[j]);
-                sum_v[k] += p[k] * (basis_u[i] * slope_v[j]);
-            }
-        }
-    }
-    let point = vec3(sum[0], sum[1], sum[2]) * (T::ONE / sum[3]);
+    let NetJet { value, by_u, by_v } = net_jet(scene, net, Vector3::default(), uv);
+    let point = vec3(value[0], value[1], value[2]) * (T::ONE / value[3]);
     let tangent = |d: [T; 4]| vec3(d[0], d[1], d[2]) - point * d[3];
-    [tangent(sum_u), tangent(sum_v)]
+    [tangent(by_u), tangent(by_v)]
 }

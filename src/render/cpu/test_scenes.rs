@@ -305,11 +305,18 @@ fn leaf_of(net: &TestNet, low: [f64; 2], size: f64, center: DVec3) -> NetLeaf {
     let (a, b) = (DVec3::from_array(f32s(a).map(f64::from)), DVec3::from_array(f32s(b).map(f64::from)));
     let n = a.cross(b).normalize();
     let inverse = DMat3::from_cols(a, b, n).inverse();
-    let (mut extent, mut e) = (DVec3::ZERO, [[0.0_f64; 2]; 3]);
+    let (mut extent, mut e, mut bend) = (DVec3::ZERO, [[0.0_f64; 2]; 3], [0.0_f64; 3]);
     for st in samples {
         let p = inverse * (net.point(at(st)) - middle);
         extent = extent.max(p.abs());
         let [s, t] = net.tangents(at(st)).map(|d| inverse * d * size);
+        let h = 1e-4;
+        let [s_s, t_s] = net.tangents(at([st[0] + h, st[1]])).map(|d| inverse * d * size);
+        let [_, t_t] = net.tangents(at([st[0], st[1] + h])).map(|d| inverse * d * size);
+        let frame = inverse.inverse();
+        for (most, change) in bend.iter_mut().zip([s_s - s, t_s - t, t_t - t]) {
+            *most = most.max((frame * change).length() / h);
+        }
         e[0] = [e[0][0].max((s.x - 1.0).abs()), e[0][1].max(t.x.abs())];
         e[1] = [e[1][0].max(s.y.abs()), e[1][1].max((t.y - 1.0).abs())];
         e[2] = [e[2][0].max(s.z.abs()), e[2][1].max(t.z.abs())];
@@ -325,7 +332,10 @@ fn leaf_of(net: &TestNet, low: [f64; 2], size: f64, center: DVec3) -> NetLeaf {
         extent_u: (extent.x - 0.5).max(0.0) as f32 * 1.05 + 0.01,
         tangent_v: f32s(b),
         extent_v: (extent.y - 0.5).max(0.0) as f32 * 1.05 + 0.01,
-        certificate: bytes[0] | bytes[1] << 8 | bytes[2] << 16 | 255 << 24,
+        certificate: bytes[0]
+            | bytes[1] << 8
+            | bytes[2] << 16
+            | byte((bend[0] + 2.0 * bend[1] + bend[2]) / m) << 24,
         domain: 0,
         net: 0,
         trim: TRIM_INSIDE,

@@ -54,9 +54,10 @@ pub fn first_hit_before<T: Kernel>(
 
 /// The order of hits along a ray: by distance, then by face, net and instance.
 pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
-    let ahead = a.distance.minus(b.distance);
-    if ahead != T::ZERO {
-        return ahead < T::ZERO;
+    // Sums in f64, as hits are sorted and as `far` is compared: differences of pairs in T are another order.
+    let (first, second) = (a.distance.to_f64(), b.distance.to_f64());
+    if first != second {
+        return first < second;
     }
     [a.face, a.net, a.instance] < [b.face, b.net, b.instance]
 }
@@ -133,7 +134,7 @@ fn trace_face<T: Kernel>(
     for i in 0..roots.count {
         let t = roots.t[i];
         let distance = Distance { anchor: ray.anchor, offset: t };
-        if !(distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO) {
+        if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
             continue;
         }
         let parameters = carrier_parameters(face.kind, origin + direction * t, face.radii);
@@ -167,7 +168,7 @@ fn trace_leaf<T: Kernel>(
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };
-        if !(distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO) {
+        if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
             continue;
         }
         // The leaf's own trim state holds on its own domain only.

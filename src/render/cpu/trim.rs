@@ -5,7 +5,7 @@
 
 use super::vector::number;
 use crate::numeric::Real;
-use crate::scene::trim_node::{FAR, MANY, TrimNode, split_position, unpack};
+use crate::scene::trim_node::{FAR, MANY, TrimNode, child_range, split_position, unpack};
 use crate::scene::{Scene, TRIM_INSIDE, TrimSegment};
 
 /// Bisections of a curve piece: enough for f64's 52 bits.
@@ -28,14 +28,14 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
                 let axis = axis as usize;
                 let split = split_position(low[axis], size[axis], plane);
                 let far = right == FAR;
-                if uv[axis] < T::from_f32(split) {
-                    size[axis] = split - low[axis];
-                    node += if far { 2 } else { 1 };
-                } else {
-                    size[axis] -= split - low[axis];
-                    low[axis] = split;
-                    node += if far { scene.trim_nodes[node + 1] } else { right } as usize;
-                }
+                let is_right = !(uv[axis] < T::from_f32(split));
+                (low[axis], size[axis]) = child_range(low[axis], size[axis], split, is_right);
+                node += match (is_right, far) {
+                    (false, false) => 1,
+                    (false, true) => 2,
+                    (true, false) => right as usize,
+                    (true, true) => scene.trim_nodes[node + 1] as usize,
+                };
             }
             TrimNode::Leaf { inside, count, first } => {
                 let base = scene.trim_nodes[root as usize - 1] + first;
