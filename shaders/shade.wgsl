@@ -104,8 +104,11 @@ fn openness(
 fn sky_sample(pixel: u32, sample_index: u32) -> vec2<f32> {
     let x = pixel & 0xffffu;
     let y = pixel >> 16u;
-    let a = x * 0xdb4f0b91u + y * 0xbbe05633u + sample_index * 0xc13fa9a9u;
-    let b = x * 0xa0f2ec75u + y * 0x89e18285u + sample_index * 0x91e10da5u;
+    let tile = pixel_key(x >> 2u, y >> 2u);
+    let place = ((x & 1u) << 3u) | ((y & 1u) << 2u) | (x & 2u) | ((y & 2u) >> 1u);
+    let index = (place << 6u) + sample_index;
+    let a = hash(tile, 0u, 2u) + index * 0xc13fa9a9u;
+    let b = hash(tile, 0u, 3u) + index * 0x91e10da5u;
     return vec2<f32>(unit(a), unit(b));
 }
 

@@ -1,6 +1,6 @@
 //! The look of a hit: a hemisphere of soft light, a key and a fill light that move with the camera, ambient occlusion.
 
-use super::camera::unit;
+use super::camera::{hash, pixel_key, unit};
 use super::hit::hit_normal;
 use super::light::{
     AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
@@ -174,14 +174,16 @@ fn openness(
     1.0 - blocked * blocked
 }
 
-/// A point of the unit square: the R2 sequence (Roberts 2018) over a pixel's samples, moved by an offset per pixel that is itself of low
-/// discrepancy over the picture (the four-dimensional sequence of the same family, two dimensions a side), so that neighbours err in opposite ways and the
-/// eye sees less grain than of random offsets. In whole numbers, so that CPU and GPU agree to the bit.
+/// A point of the unit square: the R2 sequence (Roberts 2018), which runs on from pixel to pixel of a tile of 4 × 4, in an order that sets neighbours far
+/// apart, so that they err in opposite ways and the eye, which takes the mean, sees less grain. Tiles are moved by a random offset: without it
+/// the sequence draws stripes. In whole numbers, so that CPU and GPU agree to the bit.
 fn sky_sample(pixel: u32, sample: u32) -> [f32; 2] {
     let (x, y) = (pixel & 0xffff, pixel >> 16);
-    let of_pixel = |across: u32, down: u32| x.wrapping_mul(across).wrapping_add(y.wrapping_mul(down));
-    let a = of_pixel(0xdb4f_0b91, 0xbbe0_5633).wrapping_add(sample.wrapping_mul(0xc13f_a9a9));
-    let b = of_pixel(0xa0f2_ec75, 0x89e1_8285).wrapping_add(sample.wrapping_mul(0x91e1_0da5));
+    let tile = pixel_key(x >> 2, y >> 2);
+    let place = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;
+    let index = (place << 6).wrapping_add(sample);
+    let a = hash(tile, 0, 2).wrapping_add(index.wrapping_mul(0xc13f_a9a9));
+    let b = hash(tile, 0, 3).wrapping_add(index.wrapping_mul(0x91e1_0da5));
     [unit(a), unit(b)]
 }
 
