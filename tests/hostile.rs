@@ -185,7 +185,7 @@ fn broken_files_break_nothing() {
         }
     }
     let [not_read, empty, traced] = outcomes;
-    println!("{count} broken files: {traced} traced, {empty} without faces, {not_read} not read");
+    eprintln!("{count} broken files: {traced} traced, {empty} without faces, {not_read} not read");
     assert!(failures.is_empty(), "{failures:#?}");
     assert!(traced * 4 > count, "hardly any file is still read");
 }
