@@ -167,7 +167,7 @@ fn rooms_name_only_what_stands_before_them() {
         assert!(found.is_empty(), "{}: `{room}` must not name {found:?}", source.path.display());
         checked += 1;
     }
-    println!("{checked} files keep the chain");
+    eprintln!("{checked} files keep the chain");
     assert!(checked > 50, "only {checked} files were found");
 }
 
@@ -187,7 +187,7 @@ fn reserved_words_stay_in_their_rooms() {
         }
         checked += 1;
     }
-    println!("{checked} files keep to their words");
+    eprintln!("{checked} files keep to their words");
 }
 
 fn is_in(path: &Path, room: &str) -> bool {

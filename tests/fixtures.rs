@@ -96,12 +96,12 @@ fn check_all(what: &str, check: impl Fn(&Fixture) -> Result<String, String> + Sy
     let mut failed = 0;
     for (name, result) in &results {
         match result {
-            Ok(found) => println!("{what}: {name}: {found}"),
-            Err(reason) => println!("{what}: {name}: FAILED: {reason}"),
+            Ok(found) => eprintln!("{what}: {name}: {found}"),
+            Err(reason) => eprintln!("{what}: {name}: FAILED: {reason}"),
         }
         failed += usize::from(result.is_err());
     }
-    println!("{what}: {} fixtures ran, {failed} failed", results.len());
+    eprintln!("{what}: {} fixtures ran, {failed} failed", results.len());
     assert_eq!(failed, 0, "{what}: {failed} of {} fixtures failed; reasons are above", results.len());
 }
 
@@ -327,7 +327,7 @@ fn pictures_of_the_gpu_are_those_of_the_cpu() {
     if let Err(reason) = picture(&fixtures()[0], SMALL, "gpu", folder.path())
         && !required
     {
-        println!("skipped, REQUIRE_GPU=1 would make it an error: {reason}");
+        eprintln!("skipped, REQUIRE_GPU=1 would make it an error: {reason}");
         return;
     }
     check_all("GPU pictures", |fixture| {

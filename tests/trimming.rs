@@ -175,13 +175,13 @@ fn sweep(folder: &Path) -> Option<Count> {
         let model = match trimray::import::import(path) {
             Ok(model) => model,
             Err(error) => {
-                println!("{}: {error}", path.display());
+                eprintln!("{}: {error}", path.display());
                 continue;
             }
         };
         let read = begin.elapsed();
         let count = trim_all(path, &model, print);
-        println!(
+        eprintln!(
             "{}: {} of {} faces trimmed, {} bodies closed, {} open, deviation {:.1e} mm, {:?}; read {:.2} s, trimmed {:.2} s",
             path.display(),
             count.trimmed,
@@ -195,7 +195,7 @@ fn sweep(folder: &Path) -> Option<Count> {
         );
         all.add(&count);
     }
-    println!(
+    eprintln!(
         "{}: {} files, {} of {} faces trimmed, {} bodies closed, {} open, {:?}",
         folder.display(),
         files.len(),
@@ -221,7 +221,7 @@ fn corpus_is_trimmed_and_closed() {
     let folder = std::env::var_os("TRIMRAY_CORPUS")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus"), PathBuf::from);
     let Some(count) = sweep(&folder) else {
-        println!("skipped: no corpus at {}", folder.display());
+        eprintln!("skipped: no corpus at {}", folder.display());
         return;
     };
     assert!(count.trimmed as f64 >= 0.99 * count.faces as f64, "99 % of all faces are trimmed");
