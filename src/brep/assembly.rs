@@ -22,11 +22,16 @@ const MAX_DEPTH: usize = 128;
 /// A model may not place more parts than this.
 const MAX_OCCURRENCES: usize = 4_000_000;
 
+/// Nor may the walk take more memory for paths than this, with [`STEP_COST`] for each step: shared subtrees without any body can
+/// make it exponential, and so can long names.
+const MAX_WALK: usize = 1 << 30;
+const STEP_COST: usize = 64;
+
 /// All occurrences of parts with bodies, in tree order.
 ///
 /// Cyclic references are cut where a part would contain itself. Returns whether the limits cut anything as well.
 pub fn occurrences(model: &Model) -> (Vec<Occurrence>, bool) {
-    let mut walk = Walk { model, found: Vec::new(), ancestors: Vec::new(), cut: false };
+    let mut walk = Walk { model, found: Vec::new(), ancestors: Vec::new(), left: MAX_WALK, cut: false };
     for &root in &model.roots {
         walk.visit(root, DAffine3::IDENTITY, &model.parts[root].name, None);
     }
@@ -37,18 +42,23 @@ struct Walk<'a> {
     model: &'a Model,
     found: Vec<Occurrence>,
     ancestors: Vec<Id<Part>>,
+    /// Of [`MAX_WALK`].
+    left: usize,
     cut: bool,
 }
 
 impl Walk<'_> {
     fn visit(&mut self, id: Id<Part>, world_from_part: DAffine3, path: &str, color: Option<Color>) {
+        let cost = path.len() + STEP_COST;
         if self.ancestors.contains(&id)
             || self.ancestors.len() >= MAX_DEPTH
             || self.found.len() >= MAX_OCCURRENCES
+            || self.left < cost
         {
             self.cut = true;
             return;
         }
+        self.left -= cost;
         let part = &self.model.parts[id];
         if !part.bodies.is_empty() {
             self.found.push(Occurrence { part: id, world_from_part, path: path.to_owned(), color });

@@ -1,10 +1,9 @@
 //! What an importer has to tell: nothing is dropped or repaired silently.
 
-use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// How bad it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Something was not needed for the shape and was left out, or was odd but harmless.
     Note,
@@ -15,7 +14,7 @@ pub enum Severity {
 }
 
 /// One finding about one entity.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,

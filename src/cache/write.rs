@@ -58,7 +58,16 @@ fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Re
     };
 
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = tempfile::Builder::new().prefix(".trimray-").tempfile_in(folder)?;
+    // Renaming would put a file in the place of a device.
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it exists and is no file"));
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".trimray-");
+    // Temporary files are private; the result is as readable as the umask lets any new file be.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let temporary = builder.tempfile_in(folder)?;
     let mut out = io::BufWriter::new(&temporary);
     let mut written = 0;
     let mut put = |bytes: &[u8]| -> io::Result<()> {
@@ -76,20 +85,7 @@ fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Re
     debug_assert_eq!(written, end);
     out.flush()?;
     drop(out);
-    share(&temporary)?;
     temporary.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// Temporary files are private; the result is as readable as any other new file.
-#[cfg(unix)]
-fn share(temporary: &tempfile::NamedTempFile) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    temporary.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn share(_: &tempfile::NamedTempFile) -> io::Result<()> {
     Ok(())
 }
 

@@ -16,6 +16,10 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         return Err(Failure::Usage(format!("{} is baked already", input.display())).into());
     }
     let output = command.output.clone().unwrap_or_else(|| input.with_extension("trimray"));
+    if !is_baked(&output) {
+        let reason = format!("{} must end in .trimray: that tells a baked file", output.display());
+        return Err(Failure::Usage(reason).into());
+    }
     let start = Instant::now();
     let loaded = load(input, Purpose { keep_f64: command.keep_f64, strict: command.import.strict }, general)?;
     let scene = loaded.scene();

@@ -181,11 +181,12 @@ impl Curve {
             periods[1] = periods[1].min(periods[0] + MAX_PERIODS);
         }
         let mut breaks = Vec::new();
-        let mut period = periods[0];
-        while period <= periods[1] {
-            breaks.extend(sharp.iter().map(|knot| knot + period * length).filter(|t| low < *t && *t < high));
-            period += 1.0;
+        // Counted in whole numbers: beyond 2⁵³ a period and the next are the same.
+        for i in 0..=(periods[1] - periods[0]) as u32 {
+            let shift = (periods[0] + f64::from(i)) * length;
+            breaks.extend(sharp.iter().map(|knot| knot + shift).filter(|t| low < *t && *t < high));
         }
+        breaks.dedup();
         if range[0] > range[1] {
             breaks.reverse();
         }

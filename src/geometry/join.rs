@@ -7,32 +7,46 @@ use super::knots::KnotError;
 
 /// One B-spline through `curves` in order, each keeping its parameter up to a shift; the first keeps it as it is. The image is
 /// exact but for gaps at the joints, which the later curve's first control point closes: check before that the ends meet.
-/// Degrees are raised to the highest, and weights scaled to agree at the joints, which changes no point.
 pub fn join_curves(curves: &[BsplineCurve<Homogeneous3>]) -> Result<BsplineCurve<Homogeneous3>, KnotError> {
-    let degree = curves.iter().map(|curve| curve.knots.degree()).max().unwrap_or(0);
+    let mut spans = Vec::new();
+    let mut end = None;
+    for curve in curves {
+        let start = curve.domain()[0];
+        let shift = end.unwrap_or(start) - start;
+        for span in decompose_curve(curve) {
+            let range = span.range.map(|t| t + shift);
+            end = Some(range[1]);
+            spans.push((range, span.bezier.points));
+        }
+    }
+    join_spans(spans)
+}
+
+/// One B-spline from Bézier spans, each given by its range and its control points, whose ranges follow each other. Degrees are
+/// raised to the highest, and weights scaled to agree at the joints, which changes no point.
+pub fn join_spans(
+    spans: Vec<([f64; 2], Vec<Homogeneous3>)>,
+) -> Result<BsplineCurve<Homogeneous3>, KnotError> {
+    let degree = spans.iter().map(|(_, points)| points.len() - 1).max().unwrap_or(0);
     let mut points: Vec<Homogeneous3> = Vec::new();
     let mut knots: Vec<f64> = Vec::new();
-    for curve in curves {
-        let end = knots.last().copied().unwrap_or(curve.domain()[0]);
-        let shift = end - curve.domain()[0];
-        for span in decompose_curve(curve) {
-            let raised = elevated(span.bezier.points, degree);
-            if let Some(last) = points.last() {
-                let factor = last.w / raised[0].w;
-                points.extend(raised[1..].iter().map(|p| *p * factor));
-            } else {
-                knots = vec![span.range[0] + shift; degree + 1];
-                points = raised;
-            }
-            knots.extend(std::iter::repeat_n(span.range[1] + shift, degree));
+    for (range, span) in spans {
+        let raised = elevated(span, degree);
+        if let Some(last) = points.last() {
+            let factor = last.w / raised[0].w;
+            points.extend(raised[1..].iter().map(|p| *p * factor));
+        } else {
+            knots = vec![range[0]; degree + 1];
+            points = raised;
         }
+        knots.extend(std::iter::repeat_n(range[1], degree));
     }
     knots.extend(knots.last().copied());
     BsplineCurve::new(degree, knots, points)
 }
 
 /// Bézier points of a higher degree (The NURBS Book, equation 5.36).
-fn elevated(mut points: Vec<Homogeneous3>, degree: usize) -> Vec<Homogeneous3> {
+pub fn elevated(mut points: Vec<Homogeneous3>, degree: usize) -> Vec<Homogeneous3> {
     while points.len() <= degree {
         let n = points.len();
         let share = |i: usize| i as f64 / n as f64;

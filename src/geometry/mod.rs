@@ -29,7 +29,7 @@ pub use fit::{Fit, fit_surface};
 pub use frame::Frame;
 pub use invert::{Inversion, invert_curve, invert_surface};
 pub use iso::iso_curve;
-pub use join::join_curves;
+pub use join::{elevated, join_curves, join_spans};
 pub use knots::{KnotError, KnotVector};
 pub use offset::{Offset, offset_surface};
 pub use recognise::recognise;

@@ -117,10 +117,9 @@ fn unrolled(spline: &BsplineCurve<Homogeneous3>, [a, b]: [f64; 2]) -> Option<Bsp
     }
     let mut knots: Vec<f64> = Vec::new();
     let mut points: Vec<Homogeneous3> = Vec::new();
-    let mut round = rounds[0];
-    while round <= rounds[1] {
-        let shift = round * length;
-        round += 1.0;
+    // Counted in whole numbers: beyond 2⁵³ a round and the next are the same.
+    for i in 0..=(rounds[1] - rounds[0]) as u32 {
+        let shift = (rounds[0] + f64::from(i)) * length;
         // Slivers at the seam come from rounding.
         let (low, high) = ((a - shift).max(first), (b - shift).min(last));
         if high - low <= 1e-12 * length {

@@ -6,6 +6,7 @@
 use super::directory::{Mapped, Problem};
 use super::placement;
 use super::reader::Reader;
+use super::solid::solid_shells;
 use super::style;
 use super::surface::BOUNDED_KINDS;
 use crate::brep::{Body, BodyKind, Child, Face, Id, Part, Severity};
@@ -149,7 +150,10 @@ fn hide(reader: &mut Reader, shape: u32) {
     }
     let shells: Vec<u32> = match entry.kind {
         514 => vec![shape],
-        186 => reader.file.parameters(shape).and_then(|p| p.reference(1)).into_iter().collect(),
+        186 => {
+            let shells = reader.file.parameters(shape).and_then(|p| solid_shells(&p)).unwrap_or_default();
+            shells.into_iter().map(|(shell, _)| shell).collect()
+        }
         _ => {
             reader.hide_face(shape, "blanked");
             return;

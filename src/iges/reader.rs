@@ -97,15 +97,17 @@ impl<'a> Reader<'a> {
 
     /// A list of vertices or edges, decoded once.
     pub fn list(&mut self, entity: u32, kind: u32) -> Mapped<Rc<Parameters>> {
-        if let Some(known) = self.lists.get(&entity) {
-            return Ok(known.clone());
+        let list = match self.lists.get(&entity) {
+            Some(known) => known.clone(),
+            None => {
+                let list = Rc::new(self.file.parameters(entity)?);
+                self.lists.insert(entity, list.clone());
+                list
+            }
+        };
+        if list.kind != kind {
+            return Err(list.problem(format!("expected an entity of type {kind}")));
         }
-        let parameters = self.file.parameters(entity)?;
-        if parameters.kind != kind {
-            return Err(parameters.problem(format!("expected an entity of type {kind}")));
-        }
-        let list = Rc::new(parameters);
-        self.lists.insert(entity, list.clone());
         Ok(list)
     }
 

@@ -2,7 +2,7 @@
 
 use super::boundary::{Bound, trim_loop};
 use super::curve::{self, Piece};
-use super::directory::{Mapped, Problem};
+use super::directory::{Mapped, Parameters, Problem};
 use super::reader::{Form, Reader};
 use super::style;
 use crate::brep::{Body, BodyKind, Coedge, Color, Edge, Face, Id, Severity, TrimLoop, Vertex};
@@ -18,11 +18,8 @@ impl Reader<'_> {
     pub fn solid(&mut self, entity: u32) -> Mapped<Body> {
         let parameters = self.file.parameters(entity)?;
         let color = style::color(&self.file, entity);
-        let mut shells = vec![(parameters.reference(1)?, parameters.integer(2)? == 0)];
-        let voids = parameters.count(3, 2).unwrap_or(0);
-        for i in 0..voids {
-            shells.push((parameters.reference(4 + 2 * i)?, parameters.integer(5 + 2 * i)? == 0));
-        }
+        let shells = solid_shells(&parameters)?;
+        let voids = shells.len() - 1;
         let mut faces = Vec::new();
         for (shell, reversed) in shells {
             if let Err(problem) = self.shell(shell, reversed, color, &mut faces) {
@@ -215,10 +212,21 @@ impl Reader<'_> {
             return Rc::new([]);
         };
         let edges: Rc<[Id<Edge>]> = coedges.iter().map(|coedge| coedge.edge).collect();
-        if let [first, .., last] = *edges {
+        if let (Some(&first), Some(&last)) = (edges.first(), edges.last()) {
             self.model.edges[first].vertices[0] = vertices[0];
             self.model.edges[last].vertices[1] = vertices[1];
         }
         edges
     }
+}
+
+/// The shells of a solid with their senses (whether against), the outer one first.
+pub fn solid_shells(parameters: &Parameters) -> Mapped<Vec<(u32, bool)>> {
+    let voids = parameters.count(3, 2).unwrap_or(0);
+    (0..=voids)
+        .map(|i| match i {
+            0 => Ok((parameters.reference(1)?, parameters.integer(2)? == 0)),
+            _ => Ok((parameters.reference(2 + 2 * i)?, parameters.integer(3 + 2 * i)? == 0)),
+        })
+        .collect()
 }

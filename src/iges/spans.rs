@@ -1,7 +1,9 @@
 //! Curves as runs of rational Bézier spans: the common form from which swept surfaces and composite profiles are made.
 //! Exact: conics become rational quadratics (The NURBS Book, §7.3), power-basis cubics become Bézier cubics.
 
-use crate::geometry::{BsplineCurve, Curve, Homogeneous, Homogeneous3, KnotError, decompose_curve};
+use crate::geometry::{
+    BsplineCurve, Curve, Homogeneous, Homogeneous3, KnotError, decompose_curve, join_spans,
+};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -83,42 +85,11 @@ fn conic_spans(
     (0..count as u32).map(span).collect()
 }
 
-/// The same span with a higher degree (The NURBS Book, equation 5.36).
-pub fn elevated(points: &[Homogeneous3], degree: usize) -> Vec<Homogeneous3> {
-    let mut points = points.to_vec();
-    while points.len() <= degree {
-        let n = points.len();
-        let share = |i: usize| i as f64 / n as f64;
-        let inner = (1..n).map(|i| points[i - 1] * share(i) + points[i] * (1.0 - share(i)));
-        let raised: Vec<_> = [points[0]].into_iter().chain(inner).chain([points[n - 1]]).collect();
-        points = raised;
-    }
-    points
-}
-
 /// One B-spline from spans that follow each other; joints that do not meet are closed. Spans without length are left out.
 pub fn joined(spans: &[Span]) -> Result<BsplineCurve<Homogeneous3>, KnotError> {
     let total = spans.iter().map(|s| s.range[1] - s.range[0]).sum::<f64>();
     let has_length = |span: &&Span| span.range[1] - span.range[0] > 1e-12 * total;
-    let spans: Vec<&Span> = spans.iter().filter(has_length).collect();
-    let degree = spans.iter().map(|s| s.points.len() - 1).max().unwrap_or(0);
-    let mut knots = Vec::new();
-    let mut points: Vec<Homogeneous3> = Vec::new();
-    for span in spans {
-        let raised = elevated(&span.points, degree);
-        if let Some(last) = points.last() {
-            // The weights of a span have a common factor that changes nothing.
-            let factor = last.w / raised[0].w;
-            points.extend(raised[1..].iter().map(|p| *p * factor));
-            knots.extend(std::iter::repeat_n(span.range[1], degree));
-        } else {
-            points = raised;
-            knots = vec![span.range[0]; degree + 1];
-            knots.extend(std::iter::repeat_n(span.range[1], degree));
-        }
-    }
-    knots.extend(knots.last().copied());
-    BsplineCurve::new(degree, knots, points)
+    join_spans(spans.iter().filter(has_length).map(|span| (span.range, span.points.clone())).collect())
 }
 
 #[cfg(test)]

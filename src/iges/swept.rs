@@ -3,9 +3,10 @@
 
 use super::curve::{pieces, profile};
 use super::directory::{Directory, Mapped, Parameters};
-use super::spans::elevated;
 use super::surface::{Arc, ParameterMap, Sheet};
-use crate::geometry::{BsplineCurve, BsplineSurface, Homogeneous, Homogeneous3, KnotError, Surface};
+use crate::geometry::{
+    BsplineCurve, BsplineSurface, Homogeneous, Homogeneous3, KnotError, Surface, elevated,
+};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -155,5 +156,5 @@ fn bezier(curve: &BsplineCurve<Homogeneous3>, [a, b]: [f64; 2], degree: usize) -
         knot.unwrap_or(t)
     };
     let piece = curve.piece(near(a), near(b))?;
-    (piece.points.len() == curve.knots.degree() + 1).then(|| elevated(&piece.points, degree))
+    (piece.points.len() == curve.knots.degree() + 1).then(|| elevated(piece.points, degree))
 }

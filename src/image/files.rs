@@ -37,6 +37,13 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    // Renaming would put a file in the place of a device.
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(failed(std::io::Error::new(
+            std::io::ErrorKind::InvalidInput,
+            "it exists and is no file",
+        )));
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".trimray-");
     #[cfg(unix)]

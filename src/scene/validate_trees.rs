@@ -30,6 +30,8 @@ pub(super) fn bvh(scene: &Scene<'_>) -> Check {
     for (index, &word) in scene.primitives.iter().take(top.primitives).enumerate() {
         require((word as usize) < scene.instances.len(), "primitives", index, "no such instance")?;
     }
+    // Trees that share nodes would make this take as long as parts times nodes.
+    let mut nodes = top.nodes;
     for (index, part) in scene.parts.iter().enumerate() {
         let own = Tree {
             first_node: part.first_node as usize,
@@ -39,6 +41,8 @@ pub(super) fn bvh(scene: &Scene<'_>) -> Check {
         };
         let starts_after = own.first_node >= top.nodes && own.first_primitive >= top.primitives;
         require(starts_after, "parts", index, "its BVH overlaps that over instances")?;
+        nodes += own.nodes;
+        require(nodes <= scene.bvh_nodes.len(), "parts", index, "its BVH shares nodes with another")?;
         tree(scene, &own, "parts", index)?;
     }
     Ok(())

@@ -132,3 +132,15 @@ fn an_extruded_circle_is_a_cylinder() {
         assert!(found.distance < 1e-14 && (found.uv.y - 2.0 * v).abs() < 1e-13);
     }
 }
+
+#[test]
+fn parameters_without_sense_come_to_an_end() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ZERO];
+    let points = corners.iter().map(|&p| Homogeneous::new(p, 1.0)).collect();
+    let triangle = BsplineCurve::new(1, vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0], points).expect("a polyline");
+    let curve = Curve::Bspline(triangle);
+    for range in [[-1e20, 0.0], [0.0, 1e20], [1e17, 1e17 + 64.0], [-1e300, 1e300]] {
+        assert!(curve.breaks(range).len() < 100, "{range:?}");
+        assert!(curve_to_bspline(&curve, range).points.iter().all(|p| p.is_finite()), "{range:?}");
+    }
+}

@@ -12,7 +12,7 @@ use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
 
-/// See-through faces that a ray passes before it counts as blocked.
+/// See-through faces that are blended along a ray; what lies behind so many is not seen, the background is.
 const MAX_LAYERS: usize = 8;
 
 /// Directions of light in model space, fixed to the camera.
