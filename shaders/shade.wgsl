@@ -14,7 +14,7 @@ struct Lights {
 fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32) -> vec4<f32> {
     var near = pixel_ray.near;
     var color = vec4<f32>(0.0);
-    for (var layer = 0u; layer < MAX_LAYERS; layer++) {
+    for (var layer = 1u; layer <= MAX_LAYERS; layer++) {
         let seen = first_hit(pixel_ray.ray, near);
         if seen.count == 0u {
             break;
@@ -22,7 +22,9 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
         let hit = seen.hit;
         let material = materials[hit_material(hit)];
         let lit = shade_hit(lights, pixel_ray.ray, hit, material, pixel, sample_index);
-        let left = (1.0 - color.w) * material.opacity;
+        // What lies behind the last layer is not looked for: the layer stands for it.
+        let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
+        let left = (1.0 - color.w) * opacity;
         color += vec4<f32>(lit * left, left);
         if color.w > 0.995 {
             return vec4<f32>(color.xyz * (1.0 / color.w), 1.0);

@@ -12,7 +12,7 @@ use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
 
-/// See-through faces that are blended along a ray; what lies behind so many is not seen, the background is.
+/// See-through faces that are blended along a ray; the last of so many counts as opaque.
 const MAX_LAYERS: usize = 8;
 
 /// Directions of light in model space, fixed to the camera.
@@ -62,13 +62,15 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
     let scene = shading.scene;
     let mut near = prepared.near;
     let mut color = [0.0_f32; 4];
-    for _ in 0..MAX_LAYERS {
+    for layer in 1..=MAX_LAYERS {
         let Some(hit) = first_hit(scene, &prepared.ray, near) else {
             break;
         };
         let material = hit_material(scene, &hit);
         let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
-        let left = (1.0 - color[3]) * material.opacity;
+        // What lies behind the last layer is not looked for: the layer stands for it.
+        let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
+        let left = (1.0 - color[3]) * opacity;
         for k in 0..3 {
             color[k] += lit[k] * left;
         }
