@@ -152,7 +152,7 @@ const WITHOUT_TWIN: [&str; 9] = [
     "is_between",
     "apply_axes",
     "trim_point",
-    "plane_terms",
+    "moved_point",
     "four_points",
     "real_atan2",
     "real_sin_cos",
