@@ -101,7 +101,7 @@ fn hide(reader: &mut Reader, shape: u32) {
             shells.into_iter().map(|(shell, _)| shell).collect()
         }
         kind if PLACING.contains(&kind) || PRIMITIVES.contains(&kind) => {
-            reader.report(Severity::Note, Problem { entity: shape, kind, reason: "blanked".into() });
+            reader.report(Severity::Hidden, Problem { entity: shape, kind, reason: "blanked".into() });
             return;
         }
         _ => {
