@@ -26,6 +26,7 @@ mod map_style;
 mod map_surface;
 mod map_swept;
 mod map_topology;
+mod reach;
 mod reader;
 mod roots;
 mod scan;
@@ -45,11 +46,17 @@ mod tests;
 use crate::brep::{Model, Severity};
 use reader::{Problem, Reader};
 
-pub use scan::is_exchange_structure;
+pub use reach::decode_shape;
+pub use scan::{Index, is_exchange_structure};
 
 /// Reads a STEP file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there is no exchange
 /// structure or no entity in it.
 pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
+    scan(bytes).map(map)
+}
+
+/// The first stage: finds the statements of an exchange structure. Fails where there are none.
+pub fn scan(bytes: &[u8]) -> Result<Index<'_>, StepError> {
     if !scan::is_exchange_structure(bytes) {
         return Err(StepError::NotStep);
     }
@@ -63,6 +70,11 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
             },
         });
     }
+    Ok(index)
+}
+
+/// The second stage: maps what the statements say, each decoded when it is reached.
+pub fn map(index: Index<'_>) -> Model {
     let mut reader = Reader::new(index);
     reader.model.source = header::source(&reader.index);
     for fault in std::mem::take(&mut reader.index.faults) {
@@ -76,7 +88,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
     let styles = map_style::read(&reader, &catalog.styled_items);
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
-    Ok(reader.model)
+    reader.model
 }
 
 /// Why a file is no STEP file.
