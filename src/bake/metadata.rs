@@ -1,11 +1,11 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{BodyKind, Diagnostic, Model, Occurrence, Severity};
+use crate::brep::{BodyKind, Diagnostic, Diagnostics, Model, Occurrence, Severity};
 use crate::scene::Metadata;
 
-/// Names, units, counts and diagnostics of the model; parts, faces and instances are the bake's to add.
-pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> Metadata {
-    let mut metadata = Metadata {
+/// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
+pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
+    Metadata {
         file_name: String::new(),
         format: model.source.format.clone(),
         schema: model.source.schema.clone(),
@@ -19,29 +19,28 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> 
             .filter(|body| body.kind == BodyKind::Solid)
             .count() as u64,
         ..Metadata::default()
-    };
-    for diagnostic in &model.diagnostics {
-        report(&mut metadata, diagnostic.clone());
     }
-    if cut {
-        let reason = "the tree refers to itself or is too large; what exceeds it is left out";
-        report(&mut metadata, Diagnostic::new(Severity::Warning, 0, "PRODUCT", reason));
-    }
-    metadata
 }
 
-/// Appends a finding.
-pub(super) fn report(metadata: &mut Metadata, diagnostic: Diagnostic) {
-    let severity = match diagnostic.severity {
-        Severity::Note => 0,
-        Severity::Warning => 1,
-        Severity::Dropped => 2,
+/// The model's findings, and that its tree was cut where it was.
+pub(super) fn findings(model: &Model, cut: bool) -> Diagnostics {
+    let mut findings = model.diagnostics.clone();
+    if cut {
+        let reason = "the tree refers to itself or is too large; what exceeds it is left out";
+        findings.push(Diagnostic::new(Severity::Warning, 0, "PRODUCT", reason));
+    }
+    findings
+}
+
+/// The findings as the scene keeps them.
+pub(super) fn records(findings: &Diagnostics) -> Vec<(u8, u64, String, String, u32)> {
+    let record = |finding: &Diagnostic| {
+        let severity = match finding.severity {
+            Severity::Note => 0,
+            Severity::Warning => 1,
+            Severity::Dropped => 2,
+        };
+        (severity, finding.entity, finding.kind.clone(), finding.reason.clone(), finding.faces)
     };
-    metadata.diagnostics.push((
-        severity,
-        diagnostic.entity,
-        diagnostic.kind,
-        diagnostic.reason,
-        diagnostic.faces,
-    ));
+    findings.iter().map(record).collect()
 }

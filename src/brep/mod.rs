@@ -11,7 +11,7 @@ mod model;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
-pub use diagnostic::{Diagnostic, Severity};
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use id::{Arena, Id};
 pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,
