@@ -69,6 +69,10 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
         let reason = format!("line {}: {}", reader.index.line(fault.at), fault.reason);
         reader.report(Severity::Warning, Problem { entity: fault.id, kind: "syntax".into(), reason });
     }
+    if reader.index.more_faults > 0 {
+        let reason = format!("{} more faults", reader.index.more_faults);
+        reader.report(Severity::Warning, Problem { entity: 0, kind: "syntax".into(), reason });
+    }
     let catalog = catalog::read(&reader);
     hidden::report_left_out(&mut reader, &catalog);
     reader.model.declared_faces = catalog.faces.len();
@@ -77,6 +81,16 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
     Ok(reader.model)
+}
+
+/// Scans a file and decodes each of its statements, maps none: how many are sound, and how many faults there are.
+pub fn count_statements(bytes: &[u8]) -> (usize, usize) {
+    let index = scan::index(bytes);
+    let decodes = |statement: &&scan::Statement| {
+        decode::decode(index.bytes, statement.id, statement.body.clone()).is_ok()
+    };
+    let sound = index.statements.iter().filter(decodes).count();
+    (sound, index.statements.len() - sound + index.faults.len() + index.more_faults)
 }
 
 /// Why a file is no STEP file.

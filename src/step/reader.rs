@@ -29,6 +29,10 @@ pub type Mapped<T> = Result<T, Problem>;
 /// cyclic or hostile.
 pub const MAX_CHAIN: usize = 16;
 
+/// All in all this many times the file is decoded, plus [`FREE_BYTES`]: real files need TODO.
+const MOST_DECODINGS: usize = 32;
+const FREE_BYTES: usize = 1 << 20;
+
 /// A mapped surface as its faces need it.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceUse {
@@ -63,6 +67,9 @@ pub struct Reader<'a> {
     /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
     /// list that many entities share is copied for each, and a hostile file would make that quadratic.
     budget: Cell<usize>,
+    /// How many more bytes of statements may be decoded. A statement is decoded again whenever it is reached again; a long one
+    /// that many others refer to would make that quadratic.
+    to_decode: Cell<usize>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -71,8 +78,11 @@ impl<'a> Reader<'a> {
     /// A reader at the start.
     pub fn new(index: Index<'a>) -> Self {
         let budget = Cell::new(index.bytes.len());
+        let to_decode =
+            Cell::new(index.bytes.len().saturating_mul(MOST_DECODINGS).saturating_add(FREE_BYTES));
         Self {
             budget,
+            to_decode,
             index,
             model: Model::default(),
             units: Units::default(),
@@ -94,12 +104,16 @@ impl<'a> Reader<'a> {
             reason: "the file has no such entity".into(),
         })?;
         let bytes = self.index.bytes;
-        decode::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
+        let fail = |reason: String| Problem {
             entity: id,
             kind: String::from_utf8_lossy(decode::leading_keyword(&bytes[statement.body.clone()]))
                 .into_owned(),
-            reason: format!("line {}: {}", self.index.line(error.at), error.reason),
-        })
+            reason,
+        };
+        let left = self.to_decode.get().checked_sub(statement.body.len());
+        self.to_decode.set(left.ok_or_else(|| fail("the file refers to long statements too often".into()))?);
+        decode::decode(bytes, id, statement.body.clone())
+            .map_err(|error| fail(format!("line {}: {}", self.index.line(error.at), error.reason)))
     }
 
     /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.

@@ -34,6 +34,9 @@ pub struct Fault {
     pub reason: &'static str,
 }
 
+/// Faults that are kept one by one.
+const MOST_FAULTS: usize = 10_000;
+
 /// The indexed file.
 #[derive(Debug)]
 pub struct Index<'a> {
@@ -43,13 +46,23 @@ pub struct Index<'a> {
     pub header: Range<usize>,
     /// All instances of all data sections, sorted by id.
     pub statements: Vec<Statement>,
-    /// What was wrong on the way.
+    /// What was wrong on the way, the first [`MOST_FAULTS`] of it.
     pub faults: Vec<Fault>,
+    /// How many more faults there were.
+    pub more_faults: usize,
     /// Offsets of line breaks, found when a line number is first asked for.
     line_breaks: OnceCell<Vec<usize>>,
 }
 
 impl Index<'_> {
+    fn fault(&mut self, fault: Fault) {
+        if self.faults.len() < MOST_FAULTS {
+            self.faults.push(fault);
+        } else {
+            self.more_faults += 1;
+        }
+    }
+
     /// The statement with this id.
     pub fn find(&self, id: u64) -> Option<&Statement> {
         // Most files number their instances without gaps.
@@ -138,6 +151,7 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
         header: 0..0,
         statements: Vec::new(),
         faults: Vec::new(),
+        more_faults: 0,
         line_breaks: OnceCell::new(),
     };
     let mut at = byte_order_mark(bytes);
@@ -153,6 +167,15 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
         }
         let end = keyword_end(bytes, at);
         let keyword = bytes[at..end].to_ascii_uppercase();
+        // Edition 1's scopes have no `;` of their own: what follows is an instance.
+        if bytes[at] == b'&' {
+            at = keyword_end(bytes, at + 1);
+            continue;
+        }
+        if keyword == b"ENDSCOPE" {
+            at = end;
+            continue;
+        }
         let next = statement_end(bytes, end).next;
         match keyword.as_slice() {
             b"DATA" => in_data = true,
@@ -162,16 +185,10 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
                 at = index.header.end;
                 continue;
             }
-            b"&SCOPE" | b"ENDSCOPE" => {}
-            _ if in_data => index.faults.push(Fault { at, id: 0, reason: "text that is no instance" }),
+            _ if in_data => index.fault(Fault { at, id: 0, reason: "text that is no instance" }),
             _ => {}
         }
-        at = match bytes[at] {
-            // Edition 1's scopes have no `;` of their own: what follows is an instance.
-            b'&' => keyword_end(bytes, at + 1),
-            _ if keyword == b"ENDSCOPE" => end,
-            _ => next.max(at + 1),
-        };
+        at = next.max(at + 1);
     }
     sort_by_id(&mut index);
     index
@@ -181,7 +198,7 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
 fn read_instance(index: &mut Index, at: usize) -> usize {
     let bytes = index.bytes;
     let Some((id, start)) = instance_start(bytes, at) else {
-        index.faults.push(Fault { at, id: 0, reason: "an instance needs `#number =`" });
+        index.fault(Fault { at, id: 0, reason: "an instance needs `#number =`" });
         return statement_end(bytes, at + 1).next;
     };
     let start = skip_blank(bytes, start);
@@ -190,7 +207,7 @@ fn read_instance(index: &mut Index, at: usize) -> usize {
     }
     let end = statement_end(bytes, start);
     if let Some(reason) = end.fault {
-        index.faults.push(Fault { at, id, reason });
+        index.fault(Fault { at, id, reason });
     }
     index.statements.push(Statement { id, body: start..end.body });
     end.next
@@ -301,15 +318,16 @@ fn name_before(bytes: &[u8], start: usize, equals: usize) -> Option<usize> {
 fn sort_by_id(index: &mut Index) {
     if !index.statements.is_sorted_by(|a, b| a.id < b.id) {
         index.statements.sort_by_key(|s| s.id);
-        let faults = &mut index.faults;
-        index.statements.dedup_by(|later, kept| {
+        let mut statements = std::mem::take(&mut index.statements);
+        statements.dedup_by(|later, kept| {
             let same = later.id == kept.id;
             if same {
                 let reason = "an instance with this number came before; this one is ignored";
-                faults.push(Fault { at: later.body.start, id: later.id, reason });
+                index.fault(Fault { at: later.body.start, id: later.id, reason });
             }
             same
         });
+        index.statements = statements;
     }
 }
 
