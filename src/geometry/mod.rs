@@ -24,7 +24,7 @@ pub mod to_bspline;
 pub use bezier::{Bezier, BezierPatch, Homogeneous, Homogeneous2, Homogeneous3};
 pub use bspline::{BsplineCurve, BsplineSurface};
 pub use curve::{Curve, Curve2, CurveDerivatives};
-pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface};
+pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface, patch_points};
 pub use fit::{Fit, fit_surface};
 pub use frame::Frame;
 pub use invert::{Inversion, invert_curve, invert_surface};
