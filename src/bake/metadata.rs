@@ -1,7 +1,7 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{BodyKind, Diagnostic, Diagnostics, Model, Occurrence, Severity};
-use crate::scene::Metadata;
+use crate::brep::{BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity};
+use crate::scene::{self, Finding, Metadata};
 
 /// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
 pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
@@ -33,14 +33,31 @@ pub(super) fn findings(model: &Model, cut: bool) -> Diagnostics {
 }
 
 /// The findings as the scene keeps them.
-pub(super) fn records(findings: &Diagnostics) -> Vec<(u8, u64, String, String, u32)> {
-    let record = |finding: &Diagnostic| {
-        let severity = match finding.severity {
-            Severity::Note => 0,
-            Severity::Warning => 1,
-            Severity::Dropped => 2,
+pub(super) fn records(findings: &Diagnostics) -> Vec<Finding> {
+    let record = |Diagnostic { severity, entity, kind, reason, faces }: Diagnostic| {
+        let severity = match severity {
+            Severity::Note => scene::Severity::Note,
+            Severity::Hidden => scene::Severity::Hidden,
+            Severity::Repaired => scene::Severity::Repaired,
+            Severity::Warning => scene::Severity::Warning,
+            Severity::Dropped => scene::Severity::Dropped,
         };
-        (severity, finding.entity, finding.kind.clone(), finding.reason.clone(), finding.faces)
+        Finding { severity, entity, kind, reason, faces }
     };
-    findings.iter().map(record).collect()
+    findings.iter().cloned().map(record).collect()
+}
+
+/// Reports the parts whose faces are not in the scene because nothing places them; `placed` is sorted.
+pub(super) fn report_unplaced(findings: &mut Diagnostics, model: &Model, placed: &[Id<Part>]) {
+    for id in model.parts.ids().filter(|id| placed.binary_search(id).is_err()) {
+        let part = &model.parts[id];
+        let faces = part.bodies.iter().map(|body| body.faces.len()).sum::<usize>() as u32;
+        if faces > 0 {
+            let reason = format!("part '{}' is placed nowhere", part.name);
+            findings.push(Diagnostic {
+                faces,
+                ..Diagnostic::new(Severity::Dropped, part.entity, "PRODUCT", reason)
+            });
+        }
+    }
 }

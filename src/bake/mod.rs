@@ -117,7 +117,8 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
         &spaces,
         options.keep_f64,
     );
-    scene.metadata.diagnostics = metadata::records(&findings);
+    metadata::report_unplaced(&mut findings, model, &parts);
+    scene.metadata.findings = metadata::records(&findings);
     scene.materials = materials.into_materials();
     scene
 }
@@ -242,8 +243,7 @@ fn gather(
             (Err(reason), _) | (_, Some(Err(reason))) => Some(reason),
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
-                    let finding = Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", repair);
-                    findings.push(finding);
+                    findings.push(Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair));
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {
                     let own = part_boxes[slot];

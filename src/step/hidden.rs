@@ -45,8 +45,7 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
             hidden.push(styled.and_then(|record| record.reference(at)).unwrap_or(item));
         }
     }
-    let (mut seen, mut faces) = (HashSet::new(), 0);
-    let mut first = None;
+    let mut seen = HashSet::new();
     while let Some(id) = hidden.pop() {
         let keyword = reader.keyword(id);
         let is_shell = BODY_KEYWORDS.contains(&&*keyword) || keyword == "ORIENTED_OPEN_SHELL";
@@ -54,22 +53,15 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
             continue;
         }
         if FACE_KEYWORDS.contains(&&*keyword) && reader.open_faces.remove(&id) {
-            faces += 1;
-            first.get_or_insert(id);
+            let kind = keyword.into_owned();
+            let reason = "the file marks it, or what it belongs to, as invisible";
+            reader.model.diagnostics.push(Diagnostic::hidden_face(id, kind, reason));
         } else if is_shell && let Ok(entity) = reader.entity(id) {
-            first.get_or_insert(id);
             reader.taken_bodies.insert(id);
             let parameters = entity.records.iter().flat_map(|r| &r.parameters);
             hidden.extend(parameters.flat_map(|p| {
                 p.reference().into_iter().chain(p.list().into_iter().flatten().filter_map(Value::reference))
             }));
         }
-    }
-    if let Some(first) = first {
-        let kind = reader.keyword(first).into_owned();
-        let reason = format!("left out with all else that the file marks as invisible: {faces} faces");
-        let mut diagnostic = Diagnostic::new(Severity::Note, first, kind, reason);
-        diagnostic.faces = faces;
-        reader.model.diagnostics.push(diagnostic);
     }
 }
