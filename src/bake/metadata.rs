@@ -5,6 +5,8 @@ use crate::scene::{self, Finding, Metadata};
 
 /// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
 pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
+    let solids_of = |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
+    let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();
     Metadata {
         file_name: String::new(),
         format: model.source.format.clone(),
@@ -13,11 +15,7 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
         unit: model.source.unit.name.clone(),
         unit_millimetres: model.source.unit.millimetres,
         declared_faces: model.declared_faces as u64,
-        solids: occurrences
-            .iter()
-            .flat_map(|occurrence| &model.parts[occurrence.part].bodies)
-            .filter(|body| body.kind == BodyKind::Solid)
-            .count() as u64,
+        solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
         ..Metadata::default()
     }
 }

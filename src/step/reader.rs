@@ -29,8 +29,8 @@ pub type Mapped<T> = Result<T, Problem>;
 /// cyclic or hostile.
 pub const MAX_CHAIN: usize = 16;
 
-/// All in all this many times the file is decoded, plus [`FREE_BYTES`]: real files need TODO.
-const MOST_DECODINGS: usize = 32;
+/// All in all this many times the file's bytes are decoded, plus [`FREE_BYTES`]. Real files need less than one time.
+const MOST_DECODINGS: usize = 16;
 const FREE_BYTES: usize = 1 << 20;
 
 /// A mapped surface as its faces need it.

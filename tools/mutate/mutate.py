@@ -133,6 +133,8 @@ def main():
             wrong, seconds, megabytes, code = run(command, through[path], options)
             codes[code] = codes.get(code, 0) + 1
             slowest, largest = max(slowest, (seconds, seed)), max(largest, (megabytes, seed))
+            if sum(codes.values()) % 100 == 0:
+                print(f"{sum(codes.values())} runs, {findings} findings", file=sys.stderr, flush=True)
             if wrong:
                 findings += 1
                 options.keep.mkdir(parents=True, exist_ok=True)
