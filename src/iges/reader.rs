@@ -134,9 +134,7 @@ impl<'a> Reader<'a> {
     pub fn hide_face(&mut self, entity: u32, reason: &str) {
         if self.open_faces.remove(&entity) {
             let kind = self.entry(entity).kind.to_string();
-            let mut note = Diagnostic::new(Severity::Note, entity.into(), kind, reason);
-            note.faces = 1;
-            self.model.diagnostics.push(note);
+            self.model.diagnostics.push(Diagnostic::hidden_face(entity.into(), kind, reason));
         }
     }
 }

@@ -492,7 +492,7 @@ fn what_is_hidden_dependent_or_unknown() {
     let hidden = model(&[patch("01000000")]);
     assert_eq!(
         (hidden.declared_faces, hidden.faces.len(), hidden.diagnostics[0].severity),
-        (1, 0, Severity::Note)
+        (1, 0, Severity::Hidden)
     );
     assert_eq!(clean(&[patch("00010000")]).declared_faces, 0);
     assert_eq!(clean(&[patch("00020000")]).faces.len(), 1);

@@ -40,8 +40,8 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
         let items = entity.records.iter().flat_map(|r| &r.parameters).filter_map(Value::list).flatten();
         waiting.extend(items.filter_map(Value::reference));
     }
-    let (mut seen, mut faces, mut placements) = (HashSet::new(), 0, 0);
-    let mut first = None;
+    let (mut seen, mut placements) = (HashSet::new(), 0);
+    let reason = "the file marks it, or what it belongs to, as invisible";
     while let Some(id) = waiting.pop() {
         if !seen.insert(id) {
             continue;
@@ -71,16 +71,14 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
             }
             keyword if FACE_KEYWORDS.contains(&keyword) => {
                 if reader.open_faces.remove(&id) {
-                    faces += 1;
-                    first.get_or_insert(id);
+                    reader.model.diagnostics.push(Diagnostic::hidden_face(id, keyword, reason));
                 }
             }
             keyword if is_tessellated(keyword) => {
-                first.get_or_insert(id);
                 reader.taken_bodies.insert(id);
+                reader.model.diagnostics.push(Diagnostic::new(Severity::Hidden, id, keyword, reason));
             }
             keyword if BODY_KEYWORDS.contains(&keyword) || keyword == "ORIENTED_OPEN_SHELL" => {
-                first.get_or_insert(id);
                 reader.taken_bodies.insert(id);
                 let parameters = entity.records.iter().flat_map(|r| &r.parameters);
                 waiting.extend(parameters.flat_map(|p| {
@@ -97,13 +95,6 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
     }
     if placements > 0 {
         let reason = format!("{placements} placements left out that the file marks as invisible");
-        reader.report(Severity::Note, Problem { entity: 0, kind: "INVISIBILITY".into(), reason });
-    }
-    if let Some(first) = first {
-        let kind = reader.keyword(first).into_owned();
-        let reason = format!("left out with all else that the file marks as invisible: {faces} faces");
-        let mut diagnostic = Diagnostic::new(Severity::Note, first, kind, reason);
-        diagnostic.faces = faces;
-        reader.model.diagnostics.push(diagnostic);
+        reader.report(Severity::Hidden, Problem { entity: 0, kind: "INVISIBILITY".into(), reason });
     }
 }

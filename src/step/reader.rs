@@ -95,7 +95,11 @@ impl<'a> Reader<'a> {
         let statement = self.index.find(id).ok_or_else(|| Problem {
             entity: id,
             kind: "reference".into(),
-            reason: "the file has no such entity".into(),
+            reason: if self.index.is_external(id) {
+                "the entity stands in another file".into()
+            } else {
+                "the file has no such entity".into()
+            },
         })?;
         let bytes = self.index.bytes;
         decode::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
