@@ -21,6 +21,9 @@ pub struct Model {
     pub parts: Arena<Part>,
     /// The parts that stand at the top of the product tree.
     pub roots: Vec<Id<Part>>,
+    /// Parts that the file places invisibly, and those in them; one that stands elsewhere as well is visible there.
+    /// Sorted.
+    pub hidden_parts: Vec<Id<Part>>,
     /// Faces that the file declares, imported or not.
     pub declared_faces: usize,
     /// What was repaired, not understood or dropped, with the reason.

@@ -41,6 +41,7 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
         waiting.extend(items.filter_map(Value::reference));
     }
     let (mut seen, mut placements) = (HashSet::new(), 0);
+    let reason = "the file marks it, or what it belongs to, as invisible";
     while let Some(id) = waiting.pop() {
         if !seen.insert(id) {
             continue;
@@ -70,12 +71,12 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
             }
             keyword if FACE_KEYWORDS.contains(&keyword) => {
                 if reader.open_faces.remove(&id) {
-                    let reason = "the file marks it, or what it belongs to, as invisible";
                     reader.model.diagnostics.push(Diagnostic::hidden_face(id, keyword, reason));
                 }
             }
             keyword if is_tessellated(keyword) => {
                 reader.taken_bodies.insert(id);
+                reader.model.diagnostics.push(Diagnostic::new(Severity::Hidden, id, keyword, reason));
             }
             keyword if BODY_KEYWORDS.contains(&keyword) || keyword == "ORIENTED_OPEN_SHELL" => {
                 reader.taken_bodies.insert(id);
