@@ -23,6 +23,8 @@ pub struct Catalog {
     pub relationships: Vec<u64>,
     /// CONTEXT_DEPENDENT_SHAPE_REPRESENTATION.
     pub placements: Vec<u64>,
+    /// CONSTRUCTIVE_GEOMETRY_REPRESENTATION: what its items lead to is no shape of the product.
+    pub constructions: Vec<u64>,
     /// INVISIBILITY.
     pub invisibilities: Vec<u64>,
     /// Kinds of items that are no exact shape: the first of each and how many there are.
@@ -61,6 +63,7 @@ impl Catalog {
             _ if FACE_KEYWORDS.contains(&keyword) => {
                 self.faces.insert(id);
             }
+            "CONSTRUCTIVE_GEOMETRY_REPRESENTATION" => self.constructions.push(id),
             "INVISIBILITY" => self.invisibilities.push(id),
             _ if is_left_out(keyword) => {
                 self.left_out.entry(keyword.to_owned()).or_insert((id, 0)).1 += 1;

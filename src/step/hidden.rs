@@ -18,7 +18,13 @@ pub fn is_left_out(keyword: &str) -> bool {
         "TESSELLATED_POINT_SET",
         "TESSELLATED_WIRE",
     ];
-    const DRAWN: [&str; 3] = ["GEOMETRIC_CURVE_SET", "ANNOTATION_PLANE", "ANNOTATION_TEXT"];
+    const DRAWN: [&str; 5] = [
+        "GEOMETRIC_CURVE_SET",
+        "SHELL_BASED_WIREFRAME_MODEL",
+        "EDGE_BASED_WIREFRAME_MODEL",
+        "ANNOTATION_PLANE",
+        "ANNOTATION_TEXT",
+    ];
     TESSELLATED.contains(&keyword)
         || DRAWN.contains(&keyword)
         || (keyword.contains("ANNOTATION_") && keyword.ends_with("OCCURRENCE"))

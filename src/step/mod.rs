@@ -10,18 +10,27 @@
 
 mod catalog;
 mod decode;
+mod explain;
 mod groups;
 mod header;
 mod hidden;
 mod map_assembly;
+mod map_body;
 mod map_bounded;
 mod map_bspline;
 mod map_composite;
+mod map_curve;
 mod map_edge;
 mod map_geometry;
+mod map_lifted;
+mod map_meridian;
 mod map_offset;
 mod map_pcurve;
 mod map_placement;
+mod map_polyhedron;
+mod map_replica;
+mod map_round;
+mod map_solid;
 mod map_style;
 mod map_surface;
 mod map_swept;
@@ -29,8 +38,10 @@ mod map_topology;
 mod reader;
 mod roots;
 mod scan;
+mod sweep;
 mod text;
 mod units;
+mod unreached;
 mod value;
 
 #[cfg(test)]
@@ -38,9 +49,13 @@ mod bounded_tests;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
+mod curve_tests;
+#[cfg(test)]
 mod surface_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod topology_tests;
 
 use crate::brep::{Model, Severity};
 use reader::{Problem, Reader};
@@ -76,6 +91,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
     let styles = map_style::read(&reader, &catalog.styled_items);
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
+    explain::explain(&mut reader);
     Ok(reader.model)
 }
 
