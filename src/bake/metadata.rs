@@ -1,7 +1,7 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{BodyKind, Diagnostic, Model, Occurrence, Severity};
-use crate::scene::Metadata;
+use crate::brep::{BodyKind, Diagnostic, Id, Model, Occurrence, Part, Severity};
+use crate::scene::{self, Finding, Metadata};
 
 /// Names, units, counts and diagnostics of the model; parts, faces and instances are the bake's to add.
 pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> Metadata {
@@ -32,16 +32,28 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> 
 
 /// Appends a finding.
 pub(super) fn report(metadata: &mut Metadata, diagnostic: Diagnostic) {
-    let severity = match diagnostic.severity {
-        Severity::Note => 0,
-        Severity::Warning => 1,
-        Severity::Dropped => 2,
+    let Diagnostic { severity, entity, kind, reason, faces } = diagnostic;
+    let severity = match severity {
+        Severity::Note => scene::Severity::Note,
+        Severity::Hidden => scene::Severity::Hidden,
+        Severity::Repaired => scene::Severity::Repaired,
+        Severity::Warning => scene::Severity::Warning,
+        Severity::Dropped => scene::Severity::Dropped,
     };
-    metadata.diagnostics.push((
-        severity,
-        diagnostic.entity,
-        diagnostic.kind,
-        diagnostic.reason,
-        diagnostic.faces,
-    ));
+    metadata.findings.push(Finding { severity, entity, kind, reason, faces });
+}
+
+/// Reports the parts whose faces are not in the scene because nothing places them; `placed` is sorted.
+pub(super) fn report_unplaced(metadata: &mut Metadata, model: &Model, placed: &[Id<Part>]) {
+    for id in model.parts.ids().filter(|id| placed.binary_search(id).is_err()) {
+        let part = &model.parts[id];
+        let faces = part.bodies.iter().map(|body| body.faces.len()).sum::<usize>() as u32;
+        if faces > 0 {
+            let reason = format!("part '{}' is placed nowhere", part.name);
+            report(
+                metadata,
+                Diagnostic { faces, ..Diagnostic::new(Severity::Dropped, part.entity, "PRODUCT", reason) },
+            );
+        }
+    }
 }

@@ -90,6 +90,7 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
         gather(model, &mut scene, &mut materials, &parts, &part_boxes, &spaces, drafts, baked, options);
     add_instances(model, &mut scene, &mut materials, &parts, &occurrences, &slots, &spaces, options.keep_f64);
     scene.materials = materials.into_materials();
+    metadata::report_unplaced(&mut scene.metadata, model, &parts);
     scene
 }
 
@@ -190,7 +191,7 @@ fn gather(
             (Err(reason), _) | (_, Some(Err(reason))) => Some(reason),
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
-                    let finding = Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", repair);
+                    let finding = Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair);
                     metadata::report(&mut scene.metadata, finding);
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {

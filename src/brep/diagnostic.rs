@@ -7,7 +7,11 @@ use std::fmt;
 pub enum Severity {
     /// Something was not needed for the shape and was left out, or was odd but harmless.
     Note,
-    /// Something was repaired or guessed; the shape may differ from the author's.
+    /// A piece of shape that the file marks as invisible was left out.
+    Hidden,
+    /// Something was mended in the way that its author plainly meant.
+    Repaired,
+    /// Something was guessed; the shape may differ from the author's.
     Warning,
     /// A piece of shape was dropped.
     Dropped,
@@ -24,7 +28,7 @@ pub struct Diagnostic {
     pub kind: String,
     /// What happened and why.
     pub reason: String,
-    /// How many declared faces were lost by it.
+    /// How many declared faces are not in the model because of it.
     pub faces: u32,
 }
 
@@ -36,7 +40,12 @@ impl Diagnostic {
 
     /// A face that is dropped.
     pub fn dropped_face(entity: u64, kind: impl Into<String>, reason: impl Into<String>) -> Self {
-        Self { severity: Severity::Dropped, entity, kind: kind.into(), reason: reason.into(), faces: 1 }
+        Self { faces: 1, ..Self::new(Severity::Dropped, entity, kind, reason) }
+    }
+
+    /// A face that is not wanted.
+    pub fn hidden_face(entity: u64, kind: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self { faces: 1, ..Self::new(Severity::Hidden, entity, kind, reason) }
     }
 }
 
@@ -44,6 +53,8 @@ impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let severity = match self.severity {
             Severity::Note => "note",
+            Severity::Hidden => "hidden",
+            Severity::Repaired => "repaired",
             Severity::Warning => "warning",
             Severity::Dropped => "dropped",
         };

@@ -122,7 +122,7 @@ fn knots_are_mended_where_the_intent_is_plain() {
         );
     }
     for (counts, knots) in
-        [("4,1,4", "0.,0.5,1."), ("4,4", "1.,0."), ("4,999999999", "0.,1."), ("4,4,4", "0.,1.")]
+        [("4,1,4", "0.,0.5,1."), ("4,4", "1.,0."), ("4,999999999,4", "0.,0.5,1."), ("4,4,4", "0.,1.")]
     {
         let (model, edge) = edge_on(&spline(counts, knots));
         let straight = edge.map(|edge| points(&edge)[4]);

@@ -164,7 +164,7 @@ impl Reader<'_> {
     pub fn closed_pieces(&mut self, id: u64) -> Mapped<Vec<Piece>> {
         let mut pieces = Vec::new();
         for repair in self.pieces(id, 0, &mut pieces)? {
-            self.report(Severity::Warning, repair);
+            self.report(Severity::Repaired, repair);
         }
         let entity = self.entity(id)?;
         let samples = pieces.iter().flat_map(|p| (0..=4).map(|i| p.at(f64::from(i) / 4.0)));

@@ -87,7 +87,7 @@ impl Reader<'_> {
                 let range = edge_range(&mapped.curve, points, closed, same_sense);
                 let pcurves = self.pcurves(&mapped.pcurves, &mapped.curve);
                 for repair in mapped.repairs {
-                    self.report(Severity::Warning, repair);
+                    self.report(Severity::Repaired, repair);
                 }
                 Edge { curve: mapped.curve, range, vertices: [start, end], pcurves, entity: id }
             }
@@ -125,7 +125,7 @@ impl Reader<'_> {
         let is_closed = points[0].distance(points[1]) <= SAME_POINT;
         let Problem { entity: at, kind, reason } = reason;
         let reason = format!("{kind} #{at}: {reason}; the edge ends where its curve does");
-        self.report(Severity::Warning, problem(entity, reason));
+        self.report(Severity::Repaired, problem(entity, reason));
         let mut end = |i: usize| {
             let vertex = || Vertex { point: points[i], entity: entity.id };
             given[i].clone().unwrap_or_else(|_| self.model.vertices.push(vertex()))

@@ -189,7 +189,9 @@ impl Reader<'_> {
             .filter(|fit| fit.deviation <= LIMIT * size)
             .ok_or_else(|| problem(entity, "the curve cannot be fitted"))?;
         let mut repairs = basis.repairs.clone();
-        repairs.push(problem(entity, format!("approximated within {:.1e} mm", fit.deviation)));
+        if fit.deviation > TOLERANCE * size {
+            repairs.push(problem(entity, format!("approximated within {:.1e} mm", fit.deviation)));
+        }
         Ok(MappedCurve { trim: Some(range), repairs, ..Curve::Bspline(fit.curve).into() })
     }
 }

@@ -35,6 +35,17 @@ pub fn turned_to(axis: &Frame, point: DVec3, side: DVec3) -> DVec3 {
     axis.origin + axis.z * local.z + side * local.truncate().length()
 }
 
+/// The vertex of a parabola or of the branch of a hyperbola: a dome has its top there, which no boundary need touch.
+pub fn conic_vertex(curve: &Curve) -> Option<DVec3> {
+    matches!(curve, Curve::Parabola { .. } | Curve::Hyperbola { .. }).then(|| curve.point(0.0))
+}
+
+/// Whether `point` lies on the axis, compared with what the face's boundary reaches.
+pub fn is_on_axis(axis: &Frame, point: DVec3, samples: &[DVec3]) -> bool {
+    let radius = |p: DVec3| axis.local_point(p).truncate().length();
+    radius(point) <= IN_PLANE * samples.iter().map(|&p| radius(p)).fold(0.0, f64::max)
+}
+
 /// The piece of `range` in which a conic in one plane with the axis stays on its `side`, from the point there that is farthest
 /// away: turned about the axis, the other side would cover the surface a second time.
 pub fn one_side(axis: &Frame, curve: &Curve, range: [f64; 2], side: DVec3) -> [f64; 2] {

@@ -9,7 +9,7 @@ use super::map_style::Styles;
 use super::reader::{MAX_CHAIN, Mapped, Reader, problem, real, reference};
 use super::sweep::{Motion, Profile, sweep};
 use super::value::{Entity, Record};
-use crate::brep::{Body, BodyKind, Color, Face, TrimLoop};
+use crate::brep::{Body, BodyKind, Coedge, Color, Face, Severity, TrimLoop};
 use crate::geometry::{Curve, Frame, Surface, to_bspline};
 use crate::numeric::Aabb;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -154,7 +154,7 @@ impl Reader<'_> {
         let mut loops = Vec::new();
         for trim in &face.loops {
             let TrimLoop::Edges(coedges) = trim else { continue };
-            let piece = |c: &crate::brep::Coedge| {
+            let piece = |c: &Coedge| {
                 let edge = &self.model.edges[c.edge];
                 let [a, b] = edge.range;
                 Piece {
@@ -178,7 +178,7 @@ impl Reader<'_> {
         radii.extend(record.real(3).map(|inner| inner * self.units.millimetres).filter(|inner| *inner > 0.0));
         let mut pieces = Vec::new();
         for repair in self.pieces(directrix, 0, &mut pieces)? {
-            self.report(crate::brep::Severity::Warning, repair);
+            self.report(Severity::Repaired, repair);
         }
         // The parameters of a composite curve count through its segments: those are taken as a whole.
         if let [piece] = pieces.as_mut_slice() {

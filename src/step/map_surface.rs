@@ -67,7 +67,7 @@ impl Reader<'_> {
             self.report(Severity::Warning, Problem { entity: id, kind, reason });
         }
         for repair in mapped.repairs {
-            self.report(Severity::Warning, repair);
+            self.report(Severity::Repaired, repair);
         }
         let surface_use = SurfaceUse {
             id: self.model.surfaces.push(mapped.surface),

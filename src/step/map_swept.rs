@@ -5,7 +5,7 @@
 //! extrusion has no end of its own, so the points of the face's boundary give it one.
 
 use super::map_curve::MappedCurve;
-use super::map_meridian::{meridian_side, one_side, turned_to};
+use super::map_meridian::{conic_vertex, is_on_axis, meridian_side, one_side, turned_to};
 use super::map_surface::MappedSurface;
 use super::reader::{Mapped, Reader, problem, reference};
 use super::value::Entity;
@@ -89,7 +89,9 @@ pub fn revolution(
         curve => match conic_frame(curve) {
             Some(frame) => {
                 let side = meridian_side(&axis, &profile, frame, samples);
-                let in_plane: Vec<DVec3> = samples.iter().map(|&p| turned_to(&axis, p, side)).collect();
+                let vertex = conic_vertex(curve).filter(|&p| is_on_axis(&axis, p, samples));
+                let turned = samples.iter().map(|&p| turned_to(&axis, p, side));
+                let in_plane: Vec<DVec3> = turned.chain(vertex).collect();
                 profile_range(&profile, &in_plane).map(|range| one_side(&axis, curve, range, side))
             }
             None => profile_range(&profile, samples),

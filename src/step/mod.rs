@@ -10,7 +10,9 @@
 
 mod catalog;
 mod decode;
+mod encoding;
 mod explain;
+mod external;
 mod groups;
 mod header;
 mod hidden;
@@ -34,9 +36,12 @@ mod map_solid;
 mod map_style;
 mod map_surface;
 mod map_swept;
+mod map_tessellated;
 mod map_topology;
+mod pages;
 mod reader;
 mod roots;
+mod rows;
 mod scan;
 mod sweep;
 mod text;
@@ -45,13 +50,19 @@ mod unreached;
 mod value;
 
 #[cfg(test)]
+mod assembly_tests;
+#[cfg(test)]
 mod bounded_tests;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
 mod curve_tests;
 #[cfg(test)]
+mod style_tests;
+#[cfg(test)]
 mod surface_tests;
+#[cfg(test)]
+mod tessellated_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -60,11 +71,12 @@ mod topology_tests;
 use crate::brep::{Model, Severity};
 use reader::{Problem, Reader};
 
-pub use scan::is_exchange_structure;
+pub use encoding::is_exchange_structure;
 
 /// Reads a STEP file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there is no exchange
 /// structure or no entity in it.
 pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
+    let bytes = &*encoding::utf8(bytes);
     if !scan::is_exchange_structure(bytes) {
         return Err(StepError::NotStep);
     }
@@ -84,11 +96,16 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
         let reason = format!("line {}: {}", reader.index.line(fault.at), fault.reason);
         reader.report(Severity::Warning, Problem { entity: fault.id, kind: "syntax".into(), reason });
     }
+    if reader.index.further_faults > 0 {
+        let reason = format!("{} further findings of this kind", reader.index.further_faults);
+        reader.report(Severity::Warning, Problem { entity: 0, kind: "syntax".into(), reason });
+    }
     let catalog = catalog::read(&reader);
+    external::report(&mut reader, &catalog);
     hidden::report_left_out(&mut reader, &catalog);
     reader.model.declared_faces = catalog.faces.len();
     reader.open_faces = catalog.faces.clone();
-    let styles = map_style::read(&reader, &catalog.styled_items);
+    let styles = map_style::read(&mut reader, &catalog.styled_items);
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
     explain::explain(&mut reader);

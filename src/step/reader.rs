@@ -1,6 +1,7 @@
 //! What all mapping functions share: the indexed file, the model in the making, what was already mapped, and the findings.
 
 use super::decode;
+use super::rows::{self, RawRecord};
 use super::scan::Index;
 use super::units::Units;
 use super::value::{Entity, Record};
@@ -63,6 +64,8 @@ pub struct Reader<'a> {
     /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
     /// list that many entities share is copied for each, and a hostile file would make that quadratic.
     budget: Cell<usize>,
+    /// Mapped items, context-dependent shape representations and relationships whose placement the file marks as invisible.
+    pub hidden_placements: HashSet<u64>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -82,6 +85,7 @@ impl<'a> Reader<'a> {
             surfaces: HashMap::new(),
             open_faces: HashSet::new(),
             loose_surfaces: HashSet::new(),
+            hidden_placements: HashSet::new(),
             taken_bodies: HashSet::new(),
         }
     }
@@ -100,6 +104,12 @@ impl<'a> Reader<'a> {
                 .into_owned(),
             reason: format!("line {}: {}", self.index.line(error.at), error.reason),
         })
+    }
+
+    /// The records of entity `id` with their parameters as they are written; none where it is missing.
+    pub fn raw_records(&self, id: u64) -> Vec<RawRecord<'a>> {
+        let bytes = self.index.bytes;
+        self.index.find(id).map_or_else(Vec::new, |statement| rows::records(&bytes[statement.body.clone()]))
     }
 
     /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.

@@ -105,7 +105,7 @@ fn rational_and_knotless_splines() {
         model(&tube("#60=BEZIER_SURFACE('',1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.);"));
     assert_eq!(knotless.faces.len(), 1);
     let broken = model(&tube(
-        "#60=B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.,(999999999,2),(2,2),(0.,1.),(0.,2.),.U.);",
+        "#60=B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#18,#19),(#22,#23)),.UNSPECIFIED.,.F.,.F.,.F.,(2,999999999,2),(2,2),(0.,0.5,1.),(0.,2.),.U.);",
     ));
     assert_eq!(broken.faces.len(), 0);
 }
@@ -169,20 +169,26 @@ fn profiles_that_meet_the_axis_are_turned_once() {
     // A paraboloid and the half of an ellipse; #43 stands upright in the plane y = 0 with its x axis along z.
     for (profile, off) in [
         (
-            "#61=PARABOLA('',#43,0.5)",
-            (|p: DVec3| p.truncate().length_squared() - 2.0 * p.z) as fn(DVec3) -> f64,
+            "#61=PARABOLA('',#43,0.3333333333333333)",
+            (|p: DVec3| p.truncate().length_squared() * 0.75 - p.z) as fn(DVec3) -> f64,
         ),
-        ("#61=ELLIPSE('',#43,3.,2.)", |p| (p.z / 3.0).powi(2) + p.truncate().length_squared() / 4.0 - 1.0),
-        ("#61=HYPERBOLA('',#43,1.,2.)", |p| p.z * p.z - p.truncate().length_squared() / 4.0 - 1.0),
+        ("#61=ELLIPSE('',#43,5.,2.5)", |p| (p.z / 5.0).powi(2) + p.truncate().length_squared() / 6.25 - 1.0),
+        ("#61=HYPERBOLA('',#43,1.,0.7071067811865476)", |p| {
+            p.z * p.z - p.truncate().length_squared() * 2.0 - 1.0
+        }),
     ] {
         let text = format!(
             "#60=SURFACE_OF_REVOLUTION('',#61,#34);{profile};#43=AXIS2_PLACEMENT_3D('',#22,#44,#30);#44=DIRECTION('',(0.,-1.,0.));"
         );
-        let surface = surface(&text);
-        let points = grid(&surface);
+        // One circle around the dome, whose top it does not touch.
+        let model = model(&tube(&text).replace("(#6,#7)", "(#7)"));
+        let face = model.faces.iter().next().unwrap_or_else(|| panic!("{profile}: {:?}", model.diagnostics));
+        let surface = &model.surfaces[face.surface];
+        let points = grid(surface);
         assert!(points.iter().all(|p| off(*p).abs() < 1e-9), "{profile}");
         let domain = surface.domain();
-        assert!(surface.point(domain.min).truncate().length() < 1e-7, "{profile} begins at the axis");
+        let ends = [domain.min, domain.max].map(|uv| surface.point(uv).truncate().length());
+        assert!(ends[0].min(ends[1]) < 1e-7, "{profile} has its top on the axis");
         let side = |v: f64| surface.point(DVec2::new(domain.min.x, v)).x;
         let inner = (1..16).map(|i| side(domain.min.y + (domain.max.y - domain.min.y) * f64::from(i) / 16.0));
         let signs: Vec<bool> = inner.map(|x| x > 0.0).collect();

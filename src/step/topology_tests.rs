@@ -92,7 +92,7 @@ fn faces_and_edges_refer_to_others() {
             "a loop as a path",
             &[(
                 "#230=EDGE_LOOP('',(",
-                "#230=(EDGE_LOOP() LOOP() PATH((#101,#107,#131,#137)) REPRESENTATION_ITEM('') TOPOLOGICAL_REPRESENTATION_ITEM());#8=EDGE_LOOP('',(",
+                "#230=(EDGE_LOOP() LOOP() PATH((#101,#108,#143,#132)) REPRESENTATION_ITEM('') TOPOLOGICAL_REPRESENTATION_ITEM());#8=EDGE_LOOP('',(",
             )][..],
         ),
     ] {
@@ -186,7 +186,6 @@ fn a_file_without_faces_says_what_it_has() {
         ("#1=CURVE_3D_ELEMENT_REPRESENTATION('');", "finite elements (1)"),
         ("#1=CSG_PRIMITIVE_SOLID_2D('');", "flat areas (1)"),
         ("#1=PRODUCT('','',$,());", "nothing like it"),
-        ("#1=DOCUMENT_FILE('wing.STP','','',$,'',$);", "wing.STP"),
     ] {
         let model = model(data);
         assert!(model.diagnostics.iter().any(|d| d.reason.contains(word)), "{data}: {:?}", model.diagnostics);
