@@ -54,30 +54,41 @@ use crate::brep::{Model, Severity};
 use directory::{Directory, Problem};
 use reader::Reader;
 
+pub use card::plain;
+
 /// Whether the beginning of `bytes` looks like an IGES file.
 pub fn looks_like_iges(bytes: &[u8]) -> bool {
     card::looks_like_iges(&card::plain(&bytes[..bytes.len().min(card::HEAD)]))
 }
 
+/// The records of a file in order: what its global section says, and its directory.
+pub struct Scanned<'a> {
+    global: global::Global,
+    directory: Directory<'a>,
+    remarks: Vec<String>,
+}
+
 /// Reads an IGES file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there are no
 /// records, no entities, or the binary form.
 pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
-    let bytes = card::plain(bytes);
-    if !card::looks_like_iges(&bytes) {
+    scan(&plain(bytes)).map(map)
+}
+
+/// The first stage: sorts the records, which are [`plain`] text, and reads the directory.
+pub fn scan(bytes: &[u8]) -> Result<Scanned<'_>, IgesError> {
+    if !card::looks_like_iges(bytes) {
         return Err(IgesError::NotIges);
     }
-    let cards = card::read(&bytes);
+    let cards = card::read(bytes);
     if cards.binary {
         return Err(IgesError::Binary);
     }
-    let global = global::read(&cards.global);
-    let (file, unpaired) = Directory::new(&cards, global.delimiters);
-    if file.len() == 0 {
+    let mut global = global::read(&cards.global);
+    let (directory, unpaired) = Directory::new(&cards, global.delimiters);
+    if directory.len() == 0 {
         return Err(IgesError::Empty);
     }
-    let mut reader = Reader::new(file, global.millimetres, global.resolution);
-    reader.model.source = global.source;
-    let mut remarks = global.findings;
+    let mut remarks = std::mem::take(&mut global.findings);
     if cards.strange > 0 {
         remarks.push(format!("{} records belong to no section", cards.strange));
     }
@@ -90,6 +101,19 @@ pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
     if unpaired > 0 {
         remarks.push(format!("{unpaired} directory records lack their other half"));
     }
+    Ok(Scanned { global, directory, remarks })
+}
+
+/// Decodes the parameters of every entity, each once, and makes nothing of them; returns how many entities there are.
+pub fn decode_all(scanned: &Scanned<'_>) -> usize {
+    scanned.directory.entities().filter(|(entity, _)| scanned.directory.parameters(*entity).is_ok()).count()
+}
+
+/// The second stage: maps the entities, each decoded when it is reached.
+pub fn map(scanned: Scanned<'_>) -> Model {
+    let Scanned { global, directory, remarks } = scanned;
+    let mut reader = Reader::new(directory, global.millimetres, global.resolution);
+    reader.model.source = global.source;
     for reason in remarks {
         reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
     }
@@ -98,7 +122,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
     reader.open_faces = catalog.faces.iter().copied().collect();
     reader.plane_holes = catalog.plane_holes.clone();
     assembly::map(&mut reader, &catalog, global.product);
-    Ok(reader.model)
+    reader.model
 }
 
 /// Why a file is no IGES file that can be read.

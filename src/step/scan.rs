@@ -36,7 +36,6 @@ pub struct Fault {
     /// What is wrong.
     pub reason: &'static str,
 }
-
 /// The indexed file.
 #[derive(Debug)]
 pub struct Index<'a> {
@@ -70,12 +69,17 @@ impl Index<'_> {
 
     /// The statement with this id.
     pub fn find(&self, id: u64) -> Option<&Statement> {
+        self.position(id).map(|at| &self.statements[at])
+    }
+
+    /// The index of the statement with this id.
+    pub fn position(&self, id: u64) -> Option<usize> {
         // Most files number their instances without gaps.
         let offset = usize::try_from(id.checked_sub(self.statements.first()?.id)?).ok()?;
-        if let Some(statement) = self.statements.get(offset).filter(|s| s.id == id) {
-            return Some(statement);
+        if self.statements.get(offset).is_some_and(|s| s.id == id) {
+            return Some(offset);
         }
-        self.statements.binary_search_by_key(&id, |s| s.id).ok().map(|at| &self.statements[at])
+        self.statements.binary_search_by_key(&id, |s| s.id).ok()
     }
 
     /// The line, from 1, of a byte offset.
