@@ -125,7 +125,10 @@ impl Reader<'_> {
                 if curve != 0 {
                     let reason = format!("{reason}; the parameter curve counts instead");
                     let entity = problem.as_ref().map_or(curve, |p| p.entity);
-                    self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
+                    self.report(
+                        Severity::Repaired,
+                        Problem { entity, kind: self.entry(entity).kind, reason },
+                    );
                 }
                 let mut bounds = Vec::new();
                 for &flat in flat {
