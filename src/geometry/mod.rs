@@ -25,7 +25,7 @@ pub mod to_bspline;
 pub use bezier::{Bezier, BezierPatch, Homogeneous, Homogeneous2, Homogeneous3};
 pub use bspline::{BsplineCurve, BsplineSurface};
 pub use curve::{Curve, Curve2, CurveDerivatives};
-pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface};
+pub use decompose::{CurveSpan, PatchSpan, decompose_curve, decompose_surface, patch_points};
 pub use fit::{Fit, fit_surface};
 pub use fit_curve::{CurveFit, fit_curve};
 pub use frame::Frame;

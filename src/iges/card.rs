@@ -41,7 +41,7 @@ pub const HEAD: usize = 40 * (RECORD + 2);
 /// Whether the beginning of `bytes` looks like an IGES file: a record of the start or global section, or of a flag section.
 pub fn looks_like_iges(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
-    let lines = records(head).into_iter().take(40);
+    let lines = records(head).take(40);
     let letters: Vec<u8> = lines.filter_map(|line| split(line).map(|(_, letter)| letter)).take(3).collect();
     letters.first().is_some_and(|letter| matches!(letter, b'S' | b'G' | b'C' | b'B'))
 }
@@ -104,13 +104,12 @@ pub fn read(bytes: &[u8]) -> Cards<'_> {
 }
 
 /// The lines of a file; pieces of 80 columns where it has no line ends.
-fn records(bytes: &[u8]) -> Vec<&[u8]> {
+fn records(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     let head = &bytes[..bytes.len().min(3 * RECORD)];
     let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
-    if bytes.len() >= RECORD && !head.iter().any(is_end) {
-        return bytes.chunks(RECORD).collect();
-    }
-    bytes.split(is_end).filter(|line| !line.is_empty()).collect()
+    let has_lines = bytes.len() < RECORD || head.iter().any(is_end);
+    let (lines, pieces) = if has_lines { (bytes, &bytes[..0]) } else { (&bytes[..0], bytes) };
+    lines.split(is_end).filter(|line| !line.is_empty()).chain(pieces.chunks(RECORD))
 }
 
 /// A record's data columns and the letter of its section, in upper case; `None` where it has none.

@@ -2,7 +2,7 @@
 
 use super::card::Cards;
 use super::compressed;
-use super::value::{Delimiters, Value, number, values};
+use super::value::{Delimiters, MOST_VALUES, Value, number, values};
 use std::collections::HashMap;
 
 /// Parameter data is decoded again whenever an entity is used again. All in all the reader takes this many times the
@@ -163,6 +163,9 @@ impl<'a> Directory<'a> {
             ended = data.trim_ascii_end().last() == Some(&self.delimiters.record);
         }
         let (values, _) = values(&text, self.delimiters);
+        if values.len() > MOST_VALUES {
+            return Err(fail("it has too many parameters"));
+        }
         if !matches!(values.first(), Some(Value::Number(kind)) if *kind == f64::from(entry.kind)) {
             return Err(fail("its parameters are those of another entity"));
         }

@@ -35,7 +35,10 @@ impl Default for Delimiters {
     }
 }
 
-/// The values of a record; the flag tells whether the record's end was found.
+/// No entity has more parameters: 200 MB of them. A surface of a million control points has four million.
+pub const MOST_VALUES: usize = 1 << 23;
+
+/// The values of a record, up to one more than [`MOST_VALUES`]; the flag tells whether the record's end was found.
 pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
     let mut values = Vec::new();
     let mut at = 0;
@@ -43,7 +46,7 @@ pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
         let (value, after) = value(text, at, delimiters);
         values.push(value);
         match text.get(after) {
-            Some(&byte) if byte == delimiters.parameter => at = after + 1,
+            Some(&byte) if byte == delimiters.parameter && values.len() <= MOST_VALUES => at = after + 1,
             Some(_) => return (values, true),
             None => return (values, false),
         }

@@ -108,6 +108,16 @@ pub fn map(index: Index<'_>) -> Model {
     reader.model
 }
 
+/// Scans a file and decodes each of its statements, maps none: how many are sound, and how many faults there are.
+pub fn count_statements(bytes: &[u8]) -> (usize, usize) {
+    let index = scan::index(bytes);
+    let decodes = |statement: &&scan::Statement| {
+        decode::decode(index.bytes, statement.id, statement.body.clone()).is_ok()
+    };
+    let sound = index.statements.iter().filter(decodes).count();
+    (sound, index.statements.len() - sound + index.faults.len() + index.further_faults)
+}
+
 /// Why a file is no STEP file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum StepError {

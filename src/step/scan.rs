@@ -36,7 +36,6 @@ pub struct Fault {
     /// What is wrong.
     pub reason: &'static str,
 }
-
 /// The indexed file.
 #[derive(Debug)]
 pub struct Index<'a> {
