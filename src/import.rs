@@ -1,6 +1,6 @@
 //! Which reader a file needs, and its call.
 
-use crate::brep::Model;
+use crate::brep::{Model, recognise_surfaces};
 use crate::{iges, step};
 use std::path::Path;
 
@@ -54,12 +54,12 @@ enum Format {
     Unknown,
 }
 
-/// Reads a CAD file of any known format; its contents decide, not its name.
+/// Reads a CAD file of any known format; its contents decide, not its name. B-spline surfaces that are elementary become so.
 pub fn import(path: &Path) -> Result<Model, ImportError> {
     let bytes = std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
     let unsupported =
         |what: &str| Err(ImportError::Unsupported { path: path.to_owned(), what: what.to_owned() });
-    match sniff(&bytes) {
+    let model = match sniff(&bytes) {
         Format::Step => {
             step::read(&bytes).map_err(|source| ImportError::Step { path: path.to_owned(), source })
         }
@@ -69,7 +69,11 @@ pub fn import(path: &Path) -> Result<Model, ImportError> {
         Format::Gzip => unsupported("the file is compressed with gzip; unpack it first"),
         Format::Zip => unsupported("the file is a zip archive; unpack it first"),
         Format::Unknown => unsupported("neither STEP nor IGES: it begins as neither"),
-    }
+    };
+    model.map(|mut model| {
+        recognise_surfaces(&mut model);
+        model
+    })
 }
 
 fn sniff(bytes: &[u8]) -> Format {

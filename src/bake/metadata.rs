@@ -18,6 +18,11 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> 
             .flat_map(|occurrence| &model.parts[occurrence.part].bodies)
             .filter(|body| body.kind == BodyKind::Solid)
             .count() as u64,
+        recognised: model
+            .recognised
+            .iter()
+            .map(|(kind, count)| ((*kind).to_owned(), *count as u64))
+            .collect(),
         ..Metadata::default()
     };
     for diagnostic in &model.diagnostics {

@@ -7,6 +7,7 @@
 mod assemble;
 mod bvh;
 mod faces;
+mod gaps;
 mod leaves;
 mod materials;
 mod metadata;
@@ -71,6 +72,7 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
         SceneBuffers { metadata: metadata::of_model(model, &occurrences, cut), ..SceneBuffers::default() };
     let parts = parts_that_occur(model, &occurrences);
     let drafts = outlines(model, &parts, options, progress);
+    gaps::report(&mut scene.metadata, model, &drafts);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
     scene.header = header;
@@ -192,6 +194,10 @@ fn gather(
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
                     let finding = Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair);
+                    metadata::report(&mut scene.metadata, finding);
+                }
+                for loss in outline.losses {
+                    let finding = Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", loss);
                     metadata::report(&mut scene.metadata, finding);
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {

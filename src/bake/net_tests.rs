@@ -49,7 +49,7 @@ fn octant() -> BsplineSurface {
 
 fn baked(surface: &BsplineSurface, curves: Vec<Bezier<Homogeneous2>>) -> (Nets, DVec3, Outline) {
     let window = surface.domain();
-    let trim = FaceTrim { window, curves, deviation: 0.0, repairs: vec![] };
+    let trim = FaceTrim { curves, ..FaceTrim::whole(window) };
     let region = Region::new(&trim).expect("a valid region");
     let tree = trim_tree::build(&region).expect("a tree");
     let bounds = Aabb::around(surface.points.iter().map(|p| p.point()));

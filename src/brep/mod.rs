@@ -8,6 +8,7 @@ mod assembly;
 mod diagnostic;
 mod id;
 mod model;
+mod recognise;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
@@ -16,4 +17,5 @@ pub use id::{Arena, Id};
 pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,
 };
+pub use recognise::recognise_surfaces;
 pub use style::Color;

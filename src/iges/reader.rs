@@ -84,6 +84,9 @@ impl<'a> Reader<'a> {
             return Ok(known.clone());
         }
         let sheet = sheet(&self.file, entity, outer, form)?;
+        if form == Form::Recognised && !matches!(sheet.surface, Surface::Bspline(_)) {
+            *self.model.recognised.entry(sheet.surface.kind()).or_default() += 1;
+        }
         let used = SurfaceUse {
             id: self.model.surfaces.push(sheet.surface),
             flipped: sheet.flipped,
