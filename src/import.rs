@@ -2,6 +2,7 @@
 
 use crate::brep::Model;
 use crate::{iges, step};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Why a file cannot be imported.
@@ -63,6 +64,8 @@ pub fn import(path: &Path) -> Result<Model, ImportError> {
 #[derive(Debug)]
 pub struct Source {
     path: PathBuf,
+    size: usize,
+    /// In the encoding that its reader scans.
     bytes: Vec<u8>,
 }
 
@@ -79,12 +82,12 @@ impl Source {
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let bytes =
             std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned(), bytes })
+        Ok(Self { path: path.to_owned(), size: bytes.len(), bytes: plain(bytes) })
     }
 
-    /// Its length in bytes.
+    /// The file's length in bytes.
     pub fn size(&self) -> usize {
-        self.bytes.len()
+        self.size
     }
 
     /// Finds out the format and where everything is.
@@ -121,6 +124,20 @@ impl Scanned<'_> {
             Self::Step(index) => step::map(index),
             Self::Iges(scanned) => iges::map(scanned),
         }
+    }
+}
+
+/// The file in the encoding that its reader scans; most files are that as they are.
+fn plain(bytes: Vec<u8>) -> Vec<u8> {
+    let plain = match sniff(&bytes) {
+        Format::Step => step::utf8(&bytes),
+        Format::Iges => iges::plain(&bytes),
+        _ => return bytes,
+    };
+    match plain {
+        Cow::Owned(plain) => plain,
+        Cow::Borrowed(rest) if rest.len() == bytes.len() => bytes,
+        Cow::Borrowed(rest) => rest.to_vec(),
     }
 }
 

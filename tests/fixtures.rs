@@ -137,7 +137,7 @@ fn counts_and_sizes_are_those_of_the_exporter() {
             ("solids", &info["solids"], expected.solids.into()),
             ("declared faces", &info["faces"]["declared"], expected.faces.into()),
             ("dropped faces", &info["faces"]["dropped"], 0.into()),
-            ("baked faces", &info["faces"]["baked"], expected.faces.into()),
+            ("baked faces", &info["faces"]["imported"], expected.faces.into()),
             ("face occurrences", &info["faces"]["occurrences"], expected.face_occurrences.into()),
             ("parts", &list(&info["parts"]).len().into(), expected.parts.into()),
             ("instances", &list(&info["instances"]).len().into(), expected.instances.into()),

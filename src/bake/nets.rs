@@ -41,6 +41,7 @@ pub(super) fn bake_nets(
     tree: &TrimTree,
     space: &PartSpace,
     distortion: f64,
+    max_leaves: usize,
 ) -> Result<(DVec3, Nets), String> {
     if surface.u_knots.degree().max(surface.v_knots.degree()) > MAX_DEGREE {
         return Err("its degree is above 25".into());
@@ -61,7 +62,7 @@ pub(super) fn bake_nets(
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
-        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, distortion, face_size);
+        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, distortion, max_leaves, face_size);
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
         Ok(BakedSpan { domain, degrees, points, leaves, is_mixed })

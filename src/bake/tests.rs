@@ -3,7 +3,7 @@
 use super::{BakeOptions, bake};
 use crate::brep::{Body, BodyKind, Child, Color, Face, Model, Part};
 use crate::geometry::{BsplineSurface, Frame, Homogeneous, Surface};
-use crate::scene::{FaceKind, SceneBuffers, TRIM_INSIDE, validate};
+use crate::scene::{FaceKind, Finding, Metadata, SceneBuffers, Severity, TRIM_INSIDE, validate};
 use glam::{DAffine3, DVec3};
 use std::path::{Path, PathBuf};
 
@@ -62,6 +62,10 @@ fn baked(model: &Model, threads: usize) -> SceneBuffers {
     pool.install(|| bake(model, &options, &|_, _| {}))
 }
 
+fn dropped(metadata: &Metadata) -> impl Iterator<Item = &Finding> {
+    metadata.findings.iter().filter(|finding| finding.severity == Severity::Dropped)
+}
+
 fn bytes(buffers: &SceneBuffers) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.trimray");
@@ -77,7 +81,7 @@ fn instances_share_a_part_and_losses_are_reported() {
     let kinds: Vec<u32> = scene.faces.iter().map(|face| face.kind).collect();
     assert_eq!(kinds, [FaceKind::Sphere, FaceKind::Torus, FaceKind::Nets].map(|kind| kind as u32));
     assert!(scene.faces.iter().all(|face| face.trim_root == TRIM_INSIDE));
-    let dropped: Vec<u64> = scene.metadata.diagnostics.iter().filter(|d| d.0 == 2).map(|d| d.1).collect();
+    let dropped: Vec<u64> = dropped(&scene.metadata).map(|f| f.entity).collect();
     assert_eq!(dropped, [103, 2], "the unbounded plane, the placement without volume");
     assert_eq!(scene.instances[0].is_translation, 1);
     assert_eq!(scene.instances[1].is_translation, 0);
@@ -144,7 +148,7 @@ fn corpus_files_bake_to_sound_scenes() {
         let scene = baked(&model, 2);
         let name = path.display();
         validate(&scene.scene()).unwrap_or_else(|flaw| panic!("{name}: {flaw}"));
-        let dropped = scene.metadata.diagnostics.iter().filter(|d| d.0 == 2 && d.4 > 0).count();
+        let dropped = dropped(&scene.metadata).filter(|f| f.faces > 0).count();
         eprintln!(
             "{:7.2} s {:6} faces {:5} dropped {:7} nets {:8} leaves {:8} segments {name}",
             start.elapsed().as_secs_f64(),

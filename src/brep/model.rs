@@ -1,6 +1,6 @@
 //! The types of the model: parts, bodies, faces, loops, edges, vertices.
 
-use super::{Arena, Color, Diagnostic, Id};
+use super::{Arena, Color, Diagnostics, Id};
 use crate::geometry::{Curve, Curve2, Surface};
 use glam::{DAffine3, DVec3};
 
@@ -21,10 +21,13 @@ pub struct Model {
     pub parts: Arena<Part>,
     /// The parts that stand at the top of the product tree.
     pub roots: Vec<Id<Part>>,
+    /// Parts that the file places invisibly, and those in them; one that stands elsewhere as well is visible there.
+    /// Sorted.
+    pub hidden_parts: Vec<Id<Part>>,
     /// Faces that the file declares, imported or not.
     pub declared_faces: usize,
     /// What was repaired, not understood or dropped, with the reason.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Diagnostics,
 }
 
 /// Where a model comes from, for people.

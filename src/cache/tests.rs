@@ -49,7 +49,7 @@ fn what_is_written_is_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.trimray");
     let buffers = buffers();
-    assert_eq!(buffers.faces.len(), 1, "{:?}", buffers.metadata.diagnostics);
+    assert_eq!(buffers.faces.len(), 1, "{:?}", buffers.metadata.findings);
     assert!(!buffers.trim_segments.is_empty());
     write(&path, &buffers.scene(), &provenance()).expect("written");
     let file = CacheFile::open(&path).expect("valid");

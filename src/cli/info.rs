@@ -4,7 +4,7 @@ use super::args::{General, Info};
 use super::bake::size_text;
 use super::load::{Purpose, load};
 use super::{report, tree};
-use crate::scene::{FaceKind, Scene};
+use crate::scene::{FaceKind, Finding, Scene, Severity};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -54,7 +54,8 @@ struct Summary<'a> {
     bytes: BTreeMap<&'static str, usize>,
     /// Least and greatest corner, millimetres; absent without faces.
     bbox: Option<[[f64; 3]; 2]>,
-    diagnostics: Vec<DiagnosticSummary<'a>>,
+    /// What was repaired, guessed, hidden or dropped, entity by entity.
+    diagnostics: &'a [Finding],
 }
 
 #[derive(Serialize)]
@@ -73,22 +74,18 @@ struct InstanceSummary<'a> {
 
 #[derive(Serialize)]
 struct FaceCounts {
+    /// By the file; always `imported` + `skipped`.
     declared: u64,
     /// In the scene, each part once.
-    baked: usize,
+    imported: usize,
+    /// `hidden` + `dropped`.
+    skipped: u64,
+    /// The file says that they are invisible.
+    hidden: u64,
     dropped: u64,
     /// In the scene, each part as often as it is placed.
     occurrences: usize,
     by_kind: BTreeMap<&'static str, usize>,
-}
-
-#[derive(Serialize)]
-struct DiagnosticSummary<'a> {
-    severity: &'static str,
-    entity: u64,
-    kind: &'a str,
-    reason: &'a str,
-    faces: u32,
 }
 
 impl<'a> Summary<'a> {
@@ -119,6 +116,7 @@ impl<'a> Summary<'a> {
         let instances = (metadata.instances.iter().zip(scene.instances))
             .map(|(info, instance)| InstanceSummary { path: &info.path, part: instance.part });
         let bounds = crate::render::bounds(scene);
+        let [hidden, dropped] = [Severity::Hidden, Severity::Dropped].map(|s| metadata.missing_faces(s));
         Self {
             file: &metadata.file_name,
             format: &metadata.format,
@@ -131,8 +129,10 @@ impl<'a> Summary<'a> {
             solids: metadata.solids,
             faces: FaceCounts {
                 declared: metadata.declared_faces,
-                baked: scene.faces.len(),
-                dropped: report::dropped_faces(metadata),
+                imported: scene.faces.len(),
+                skipped: hidden + dropped,
+                hidden,
+                dropped,
                 occurrences,
                 by_kind,
             },
@@ -142,7 +142,7 @@ impl<'a> Summary<'a> {
             trim_nodes: scene.trim_nodes.len(),
             bytes: section_bytes(scene),
             bbox: (!scene.faces.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
-            diagnostics: metadata.diagnostics.iter().map(diagnostic).collect(),
+            diagnostics: &metadata.findings,
         }
     }
 }
@@ -155,18 +155,6 @@ const KINDS: [(FaceKind, &str); 6] = [
     (FaceKind::Torus, "torus"),
     (FaceKind::Nets, "nets"),
 ];
-
-fn diagnostic(
-    (severity, entity, kind, reason, faces): &(u8, u64, String, String, u32),
-) -> DiagnosticSummary<'_> {
-    DiagnosticSummary {
-        severity: report::severity_name(*severity),
-        entity: *entity,
-        kind,
-        reason,
-        faces: *faces,
-    }
-}
 
 fn section_bytes(scene: &Scene<'_>) -> BTreeMap<&'static str, usize> {
     let mut bytes = BTreeMap::from([
@@ -205,7 +193,11 @@ fn write_text(out: &mut impl Write, summary: &Summary<'_>, all: bool) -> std::io
     let (parts, instances) = (summary.parts.len(), summary.instances.len());
     writeln!(out, "parts      {parts}, placed {instances} times; {} solids", summary.solids)?;
     let faces = &summary.faces;
-    writeln!(out, "faces      {} of {} declared, {} dropped", faces.baked, faces.declared, faces.dropped)?;
+    write!(out, "faces      {} of {} declared, {} dropped", faces.imported, faces.declared, faces.dropped)?;
+    if faces.hidden > 0 {
+        write!(out, ", {} hidden in the file", faces.hidden)?;
+    }
+    writeln!(out)?;
     for (kind, count) in faces.by_kind.iter().filter(|(_, count)| **count > 0) {
         writeln!(out, "  {kind:<9}{count}")?;
     }

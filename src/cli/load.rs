@@ -7,7 +7,7 @@ use super::report;
 use crate::bake::{BakeOptions, bake};
 use crate::cache::CacheFile;
 use crate::import::import;
-use crate::scene::{Scene, SceneBuffers, validate};
+use crate::scene::{Scene, SceneBuffers, Severity, validate};
 use anyhow::Context;
 use std::path::Path;
 use std::time::Instant;
@@ -55,7 +55,7 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     if !general.quiet {
         report::warn(path, scene.metadata, general.verbose > 0);
     }
-    let dropped = report::dropped_faces(scene.metadata);
+    let dropped = scene.metadata.missing_faces(Severity::Dropped);
     if purpose.strict && dropped > 0 {
         let declared = scene.metadata.declared_faces;
         return Err(Failure::Partial { path: path.display().to_string(), dropped, declared }.into());
@@ -90,8 +90,10 @@ fn file_name(path: &Path) -> String {
 pub(super) fn nothing(path: &Path, scene: &Scene<'_>, verb: &'static str) -> Failure {
     let reason = match scene.metadata.declared_faces {
         0 => "the file has no faces".to_owned(),
-        declared if report::dropped_faces(scene.metadata) > 0 => format!("all {declared} faces were dropped"),
-        declared => format!("none of the {declared} faces belongs to a placed part"),
+        declared if scene.metadata.missing_faces(Severity::Dropped) > 0 => {
+            format!("all {declared} faces were dropped")
+        }
+        declared => format!("all {declared} faces are hidden in the file"),
     };
     Failure::Nothing { path: path.display().to_string(), verb, reason }
 }

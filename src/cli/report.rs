@@ -1,6 +1,6 @@
 //! What was dropped, repaired and guessed, for people: many findings of one kind are one line.
 
-use crate::scene::Metadata;
+use crate::scene::{Finding, Metadata, Severity};
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
@@ -10,21 +10,15 @@ const LINES: usize = 10;
 /// Entities named in a line that stands for many.
 const EXAMPLES: usize = 3;
 
-const WARNING: u8 = 1;
-const DROPPED: u8 = 2;
-
 /// A severity's name.
-pub(super) fn severity_name(severity: u8) -> &'static str {
+fn severity_name(severity: Severity) -> &'static str {
     match severity {
-        0 => "note",
-        WARNING => "warning",
-        _ => "dropped",
+        Severity::Note => "note",
+        Severity::Hidden => "hidden",
+        Severity::Repaired => "repaired",
+        Severity::Warning => "warning",
+        Severity::Dropped => "dropped",
     }
-}
-
-/// Declared faces that are not in the scene.
-pub(super) fn dropped_faces(metadata: &Metadata) -> u64 {
-    metadata.diagnostics.iter().filter(|d| d.0 >= DROPPED).map(|d| u64::from(d.4)).sum()
 }
 
 /// Writes the findings to stderr: drops first; with `all`, every line and the notes too.
@@ -34,7 +28,7 @@ pub(super) fn warn(path: &Path, metadata: &Metadata, all: bool) {
         return;
     }
     let mut stderr = std::io::stderr().lock();
-    let dropped = dropped_faces(metadata);
+    let dropped = metadata.missing_faces(Severity::Dropped);
     // Nobody is left to tell if stderr is closed.
     if dropped > 0 {
         let _ =
@@ -49,10 +43,12 @@ pub(super) fn warn(path: &Path, metadata: &Metadata, all: bool) {
 
 /// One line for each group of like findings, the worst and largest groups first.
 pub(super) fn lines(metadata: &Metadata, all: bool) -> Vec<String> {
-    let least = if all { 0 } else { WARNING };
+    let least = if all { Severity::Note } else { Severity::Repaired };
     let mut groups: Vec<Group<'_>> = Vec::new();
-    let mut index_of: HashMap<(u8, &str, String), usize> = HashMap::new();
-    for (severity, entity, kind, reason, _) in metadata.diagnostics.iter().filter(|d| d.0 >= least) {
+    let mut index_of: HashMap<(Severity, &str, String), usize> = HashMap::new();
+    for Finding { severity, entity, kind, reason, .. } in
+        metadata.findings.iter().filter(|f| f.severity >= least)
+    {
         let index = *index_of.entry((*severity, kind, without_numbers(reason))).or_insert(groups.len());
         if index == groups.len() {
             groups.push(Group { severity: *severity, kind, reason, entities: Vec::new() });
@@ -70,7 +66,7 @@ pub(super) fn lines(metadata: &Metadata, all: bool) -> Vec<String> {
 }
 
 struct Group<'a> {
-    severity: u8,
+    severity: Severity,
     kind: &'a str,
     reason: &'a str,
     entities: Vec<u64>,
@@ -121,36 +117,46 @@ fn without_numbers(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn metadata(diagnostics: Vec<(u8, u64, &str, &str, u32)>) -> Metadata {
-        let diagnostics =
-            diagnostics.into_iter().map(|(s, e, k, r, f)| (s, e, k.to_owned(), r.to_owned(), f)).collect();
-        Metadata { diagnostics, declared_faces: 100, ..Metadata::default() }
+    fn metadata(findings: Vec<(Severity, u64, &str, &str, u32)>) -> Metadata {
+        let findings = findings
+            .into_iter()
+            .map(|(severity, entity, kind, reason, faces)| Finding {
+                severity,
+                entity,
+                kind: kind.to_owned(),
+                reason: reason.to_owned(),
+                faces,
+            })
+            .collect();
+        Metadata { findings, declared_faces: 100, ..Metadata::default() }
     }
 
     #[test]
     fn like_findings_are_one_line() {
         let metadata = metadata(vec![
-            (1, 5, "EDGE_CURVE", "edge lies 3.25e-3 mm off", 0),
-            (2, 7, "ADVANCED_FACE", "no surface #12", 1),
-            (2, 8, "ADVANCED_FACE", "no surface #139", 1),
-            (0, 9, "PRODUCT", "no name", 0),
-            (1, 6, "EDGE_CURVE", "edge lies 1e+2 mm off", 0),
+            (Severity::Repaired, 5, "EDGE_CURVE", "edge lies 3.25e-3 mm off", 0),
+            (Severity::Dropped, 7, "ADVANCED_FACE", "no surface #12", 1),
+            (Severity::Dropped, 8, "ADVANCED_FACE", "no surface #139", 1),
+            (Severity::Note, 9, "PRODUCT", "no name", 0),
+            (Severity::Hidden, 10, "OPEN_SHELL", "invisible", 3),
+            (Severity::Repaired, 6, "EDGE_CURVE", "edge lies 1e+2 mm off", 0),
         ]);
         assert_eq!(
             lines(&metadata, false),
             [
                 "dropped 2 times: ADVANCED_FACE: no surface #12 (#7, #8)",
-                "warning 2 times: EDGE_CURVE: edge lies 3.25e-3 mm off (#5, #6)",
+                "repaired 2 times: EDGE_CURVE: edge lies 3.25e-3 mm off (#5, #6)",
             ]
         );
-        assert_eq!(lines(&metadata, true).len(), 3);
-        assert_eq!(dropped_faces(&metadata), 2);
+        assert_eq!(lines(&metadata, true).len(), 4);
+        assert_eq!(metadata.missing_faces(Severity::Dropped), 2);
+        assert_eq!(metadata.missing_faces(Severity::Hidden), 3);
     }
 
     #[test]
     fn long_reports_are_cut() {
         let reasons: Vec<String> = (b'a'..=b'z').map(|c| char::from(c).to_string()).collect();
-        let metadata = metadata(reasons.iter().map(|r| (1, 0, "X", r.as_str(), 0)).collect());
+        let metadata = metadata(reasons.iter().map(|r| (Severity::Warning, 0, "X", r.as_str(), 0)).collect());
         let lines = lines(&metadata, false);
         assert_eq!(lines.len(), LINES + 1);
         assert_eq!(lines[LINES], "and 16 more findings (-v shows all)");

@@ -1,25 +1,31 @@
 //! IGES 4.0 to 5.3: trimmed surfaces, boundary representations, and surfaces that stand alone.
 //!
 //! ```text
-//! bytes ─card→ records ─global, directory→ directory ─assembly→ what stands where ─solid, trimmed→ brep::Model
+//! bytes ─card→ records ─global, directory→ directory ─catalog, assembly→ what stands where ─solid, csg, trimmed→ brep::Model
 //!                          └─ value: parameters of one entity, decoded whenever the mapping reaches it
 //! ```
 //!
 //! Entities are named by their directory numbers, kinds by their type numbers. A broken entity costs itself and the faces
 //! that need it. Invariant: faces imported plus faces in the diagnostics are the faces declared, and declared is every
-//! 144, 143 and 510 and every bounded surface that nothing else uses.
+//! 144, 143 and 510, every bounded plane, every bounded surface that nothing else uses, and every face of a constructive solid
+//! that is read.
 
+mod array;
 mod assembly;
 mod boundary;
 mod card;
+mod catalog;
 mod compressed;
 mod conic;
+mod csg;
 mod curve;
 mod directory;
 mod global;
 mod lifted;
+mod offset;
 mod placement;
 mod reader;
+mod rounds;
 mod solid;
 mod spans;
 mod style;
@@ -31,13 +37,30 @@ mod value;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
+mod csg_tests;
+#[cfg(test)]
+mod curve_tests;
+#[cfg(test)]
+mod record_tests;
+#[cfg(test)]
+mod structure_tests;
+#[cfg(test)]
+mod surface_tests;
+#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod trim_tests;
 
 use crate::brep::{Model, Severity};
 use directory::{Directory, Problem};
 use reader::Reader;
 
-pub use card::looks_like_iges;
+pub use card::plain;
+
+/// Whether the beginning of `bytes` looks like an IGES file.
+pub fn looks_like_iges(bytes: &[u8]) -> bool {
+    card::looks_like_iges(&card::plain(&bytes[..bytes.len().min(card::HEAD)]))
+}
 
 /// The records of a file in order: what its global section says, and its directory.
 pub struct Scanned<'a> {
@@ -49,12 +72,12 @@ pub struct Scanned<'a> {
 /// Reads an IGES file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there are no
 /// records, no entities, or the binary form.
 pub fn read(bytes: &[u8]) -> Result<Model, IgesError> {
-    scan(bytes).map(map)
+    scan(&plain(bytes)).map(map)
 }
 
-/// The first stage: sorts the records and reads the directory.
+/// The first stage: sorts the records, which are [`plain`] text, and reads the directory.
 pub fn scan(bytes: &[u8]) -> Result<Scanned<'_>, IgesError> {
-    if !looks_like_iges(bytes) {
+    if !card::looks_like_iges(bytes) {
         return Err(IgesError::NotIges);
     }
     let cards = card::read(bytes);
@@ -62,7 +85,7 @@ pub fn scan(bytes: &[u8]) -> Result<Scanned<'_>, IgesError> {
         return Err(IgesError::Binary);
     }
     let mut global = global::read(&cards.global);
-    let directory = Directory::new(&cards, global.delimiters);
+    let (directory, unpaired) = Directory::new(&cards, global.delimiters);
     if directory.len() == 0 {
         return Err(IgesError::Empty);
     }
@@ -73,8 +96,11 @@ pub fn scan(bytes: &[u8]) -> Result<Scanned<'_>, IgesError> {
     if !cards.terminated {
         remarks.push("the file ends without a terminate record".into());
     }
-    if cards.directory.len() % 2 == 1 {
-        remarks.push("the last directory entry is incomplete".into());
+    if cards.global.is_empty() {
+        remarks.push("the file has no global section".into());
+    }
+    if unpaired > 0 {
+        remarks.push(format!("{unpaired} directory records lack their other half"));
     }
     Ok(Scanned { global, directory, remarks })
 }
@@ -92,9 +118,10 @@ pub fn map(scanned: Scanned<'_>) -> Model {
     for reason in remarks {
         reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
     }
-    let catalog = assembly::catalog(&mut reader);
+    let catalog = catalog::catalog(&mut reader);
     reader.model.declared_faces = catalog.faces.len();
     reader.open_faces = catalog.faces.iter().copied().collect();
+    reader.plane_holes = catalog.plane_holes.clone();
     assembly::map(&mut reader, &catalog, global.product);
     reader.model
 }
@@ -109,6 +136,6 @@ pub enum IgesError {
     #[error("binary IGES is not supported; export the ASCII form")]
     Binary,
     /// There is nothing in it.
-    #[error("the file has no entities")]
+    #[error("the file has no entities: it ends before its directory section, or that is empty")]
     Empty,
 }

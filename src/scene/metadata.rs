@@ -27,8 +27,46 @@ pub struct Metadata {
     pub declared_faces: u64,
     /// Solids over all occurrences.
     pub solids: u64,
-    /// What was repaired, skipped or dropped: (severity 0 note, 1 warning, 2 dropped; entity; keyword; reason; faces lost).
-    pub diagnostics: Vec<(u8, u64, String, String, u32)>,
+    /// What was repaired, guessed, hidden or dropped.
+    pub findings: Vec<Finding>,
+}
+
+impl Metadata {
+    /// How many declared faces are not in the scene for findings of this severity.
+    pub fn missing_faces(&self, severity: Severity) -> u64 {
+        self.findings.iter().filter(|f| f.severity == severity).map(|f| u64::from(f.faces)).sum()
+    }
+}
+
+/// How bad a finding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Odd but harmless, or not needed.
+    Note,
+    /// Left out because the file says that it is invisible.
+    Hidden,
+    /// Mended as its author plainly meant.
+    Repaired,
+    /// Guessed.
+    Warning,
+    /// Shape that is lost.
+    Dropped,
+}
+
+/// What was found about one entity of the source.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finding {
+    /// How bad it is.
+    pub severity: Severity,
+    /// The file's entity number; 0 where it concerns the whole file.
+    pub entity: u64,
+    /// The entity's keyword or type number.
+    pub kind: String,
+    /// What happened and why.
+    pub reason: String,
+    /// How many declared faces are not in the scene because of it.
+    pub faces: u32,
 }
 
 /// A part.

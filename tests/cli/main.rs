@@ -146,7 +146,7 @@ fn partial_imports_are_told_and_refused_under_strict() {
     assert!(!bench.path("broken.trimray").exists());
     let info = json(&bench.run("info broken.step --json").expect(0));
     assert_eq!(info["faces"]["dropped"], 1);
-    assert_eq!(info["faces"]["baked"], 5);
+    assert_eq!(info["faces"]["imported"], 5);
     let dropped =
         info["diagnostics"].as_array().expect("a list").iter().filter(|d| d["severity"] == "dropped");
     assert!(dropped.count() > 0);
@@ -181,7 +181,7 @@ fn info_counts_what_is_there() {
     assert_eq!(info["parts"][0]["name"], "Cube");
     assert_eq!(info["instances"].as_array().map(Vec::len), Some(1));
     let expected = serde_json::json!({
-        "declared": 6, "baked": 6, "dropped": 0, "occurrences": 6,
+        "declared": 6, "imported": 6, "skipped": 0, "hidden": 0, "dropped": 0, "occurrences": 6,
         "by_kind": { "plane": 6, "cylinder": 0, "cone": 0, "sphere": 0, "torus": 0, "nets": 0 },
     });
     assert_eq!(info["faces"], expected);
