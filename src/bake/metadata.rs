@@ -5,7 +5,8 @@ use crate::scene::{self, Finding, Metadata};
 
 /// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
 pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
-    let solids_of = |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
+    let solids_of =
+        |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
     let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();
     Metadata {
         file_name: String::new(),

@@ -9,7 +9,7 @@ use super::narrow;
 use super::outline::Outline;
 use super::slab;
 use super::trim_tree::TrimTree;
-use crate::geometry::{BezierPatch, BsplineSurface, PatchSpan, decompose_surface};
+use crate::geometry::{BezierPatch, BsplineSurface, decompose_surface};
 use crate::numeric::Aabb;
 use crate::scene::{Net, NetLeaf, TRIM_INSIDE};
 use glam::{DVec2, DVec3, DVec4};
@@ -55,15 +55,22 @@ pub(super) fn bake_nets(
     let trim = Trim { region: &outline.region, tree, period };
     let face_size = outline.bounds.diagonal();
     let mut nets = Nets::default();
+    let mut strip = ([f64::NAN; 2], Vec::new());
+    let ends = surface.domain();
     for span in decompose_surface(surface) {
-        let domain = normalised_domain(&span, outline);
+        let domain = normalised_domain(span.u, span.v, outline);
+        if strip.0 != span.u {
+            let whole = normalised_domain(span.u, [ends.min.y, ends.max.y], outline);
+            strip = (span.u, leaves::views(&whole, &trim));
+        }
         let patch = in_face_space(span.patch, origin + space.center, heaviest, is_rational);
         if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.w > 0.0) {
             return Err("a control point is beyond single precision".into());
         }
         let points = patch.points.clone();
         let degrees = patch.degrees;
-        let (found, left_out) = leaves::leaves(patch, &domain, &trim, distortion, max_leaves, face_size);
+        let (found, left_out) =
+            leaves::leaves(patch, &domain, &trim, &strip.1, distortion, max_leaves, face_size);
         nets.is_mixed |= left_out;
         if found.is_empty() {
             continue;
@@ -103,11 +110,11 @@ impl Nets {
     }
 }
 
-/// A span's rectangle in normalised parameters.
-fn normalised_domain(span: &PatchSpan, outline: &Outline) -> Domain {
+/// A rectangle of surface parameters in normalised ones.
+fn normalised_domain(u: [f64; 2], v: [f64; 2], outline: &Outline) -> Domain {
     let scale = DVec2::ONE / (outline.window.max - outline.window.min);
-    let low = DVec2::new(span.u[0], span.v[0]);
-    let high = DVec2::new(span.u[1], span.v[1]);
+    let low = DVec2::new(u[0], v[0]);
+    let high = DVec2::new(u[1], v[1]);
     Domain { low: (low - outline.window.min) * scale, size: (high - low) * scale }
 }
 
