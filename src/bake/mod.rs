@@ -39,6 +39,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// Faces differ in cost by a factor of thousands: few to a task, so that no thread is left with a row of costly ones.
+const FACES_PER_TASK: usize = 4;
+
 /// How to bake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeOptions {
@@ -56,6 +59,18 @@ impl Default for BakeOptions {
     }
 }
 
+/// A model whose faces are trimmed: between the two stages of the bake.
+pub struct Trimmed {
+    occurrences: Vec<Occurrence>,
+    /// Whether the product tree was cut short.
+    is_cut: bool,
+    /// The parts that stand somewhere, in order of their ids.
+    parts: Vec<Id<brep::Part>>,
+    drafts: Vec<Draft>,
+    /// Control points that the patches of all faces have together.
+    patch_points: usize,
+}
+
 /// A face on its way through the bake.
 struct Draft {
     /// Index into the parts that occur.
@@ -68,12 +83,23 @@ struct Draft {
 ///
 /// The result depends on the model and the options alone, not on threads. `progress` is told (done, total) faces, from any thread.
 pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> SceneBuffers {
-    let (occurrences, cut) = occurrences(model);
-    let mut scene =
-        SceneBuffers { metadata: metadata::of_model(model, &occurrences), ..SceneBuffers::default() };
-    let mut findings = metadata::findings(model, cut);
+    bake_trimmed(model, trim(model, options, progress), options)
+}
+
+/// The first stage: trims all faces that stand somewhere.
+pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Trimmed {
+    let (occurrences, is_cut) = occurrences(model);
     let parts = parts_that_occur(model, &occurrences);
     let (drafts, patch_points) = outlines(model, &parts, options, progress);
+    Trimmed { occurrences, is_cut, parts, drafts, patch_points }
+}
+
+/// The second stage: nets, leaves, trim trees, BVHs, instances.
+pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
+    let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
+    let metadata = metadata::of_model(model, &occurrences);
+    let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
+    let mut findings = metadata::findings(model, is_cut);
     let max_leaves = leaves::most_leaves(patch_points);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
@@ -81,6 +107,7 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
 
     let baked: Vec<Option<Result<BakedFace, String>>> = drafts
         .par_iter()
+        .with_max_len(FACES_PER_TASK)
         .map(|draft| {
             let outline = draft.outline.as_ref().ok()?;
             let face = &model.faces[draft.id];
@@ -147,6 +174,7 @@ fn outlines(
     let done = AtomicUsize::new(0);
     let drafts = faces
         .par_iter()
+        .with_max_len(FACES_PER_TASK)
         .zip(&budget.refusals)
         .map(|(&(part, id), refusal)| {
             let outline = match refusal {

@@ -8,6 +8,7 @@ mod assembly;
 mod diagnostic;
 mod id;
 mod model;
+pub mod primitive;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};

@@ -1,6 +1,7 @@
 //! What all mapping functions share: the indexed file, the model in the making, what was already mapped, and the findings.
 
 use super::decode;
+use super::rows::{self, RawRecord};
 use super::scan::Index;
 use super::units::Units;
 use super::value::{Entity, Record};
@@ -70,6 +71,8 @@ pub struct Reader<'a> {
     /// How many more bytes of statements may be decoded. A statement is decoded again whenever it is reached again; a long one
     /// that many others refer to would make that quadratic.
     to_decode: Cell<usize>,
+    /// Mapped items, context-dependent shape representations and relationships whose placement the file marks as invisible.
+    pub hidden_placements: HashSet<u64>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -92,6 +95,7 @@ impl<'a> Reader<'a> {
             surfaces: HashMap::new(),
             open_faces: HashSet::new(),
             loose_surfaces: HashSet::new(),
+            hidden_placements: HashSet::new(),
             taken_bodies: HashSet::new(),
         }
     }
@@ -114,6 +118,15 @@ impl<'a> Reader<'a> {
         self.to_decode.set(left.ok_or_else(|| fail("the file refers to long statements too often".into()))?);
         decode::decode(bytes, id, statement.body.clone())
             .map_err(|error| fail(format!("line {}: {}", self.index.line(error.at), error.reason)))
+    }
+
+    /// The records of entity `id` with their parameters as they are written; none where it is missing, or was read too often.
+    pub fn raw_records(&self, id: u64) -> Vec<RawRecord<'a>> {
+        let Some(statement) = self.index.find(id) else { return Vec::new() };
+        let left = self.to_decode.get().checked_sub(statement.body.len());
+        self.to_decode.set(left.unwrap_or(0));
+        let body = &self.index.bytes[statement.body.clone()];
+        left.map_or_else(Vec::new, |_| rows::records(body))
     }
 
     /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.
