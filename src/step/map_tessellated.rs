@@ -5,7 +5,8 @@
 //! linked to an exact one that was imported, the tessellation is left out with a note. What annotations are drawn with is
 //! never shape.
 //!
-//! Faces are counted by triangles: each that an imported item lists, or that its strips and fans make, is declared. Points are
+//! Faces are counted by triangles: each with an area that an imported item lists, or that its strips and fans make, is
+//! declared. Points are
 //! welded where their coordinates are equal, since many systems write a list of points for each face.
 //!
 //! Invariants: each triangulated item is imported once, so that work and memory are linear in the file; each list of points
@@ -75,7 +76,7 @@ pub fn map(reader: &mut Reader, assembly: &mut Assembly, catalog: &Catalog, styl
     for at in 0..assembly.order.len() {
         let id = assembly.order[at];
         let Representation { items, context, .. } = assembly.representations[&id].clone();
-        let items: Vec<u64> = items.into_iter().filter(|&item| kind(reader, item).is_some()).collect();
+        let items: Vec<u64> = items.into_iter().filter(|item| work.kinds.contains_key(item)).collect();
         if items.is_empty() {
             continue;
         }
@@ -107,10 +108,12 @@ fn map_loose(reader: &mut Reader, assembly: &mut Assembly, catalog: &Catalog, wo
     reader.model.source.unit = reader.units.length_unit();
     let mut items = catalog.tessellated.clone();
     let rank = |id: &u64| {
-        let kind = kind(reader, *id).unwrap_or_default();
-        CONTAINERS.iter().position(|container| *container == kind).unwrap_or(CONTAINERS.len())
+        CONTAINERS
+            .iter()
+            .position(|container| work.kinds.get(id) == Some(container))
+            .unwrap_or(CONTAINERS.len())
     };
-    items.sort_by_cached_key(rank);
+    items.sort_by_key(rank);
     let bodies: Vec<Body> = items.into_iter().filter_map(|item| work.body(reader, item, None)).collect();
     if !bodies.is_empty() {
         let reason = format!("{} bodies stand outside of any product; imported as one part", bodies.len());
@@ -138,6 +141,8 @@ impl Tally {
 /// The state of mapping tessellated items.
 struct Tessellation<'s> {
     styles: &'s Styles,
+    /// All tessellated surfaces by entity: looking at a long one each time that another names it would be quadratic.
+    kinds: HashMap<u64, &'static str>,
     /// Lists of points by entity, as the file gives them.
     points: HashMap<u64, Rc<Vec<DVec3>>>,
     /// Vertices of the body in the making, by their coordinates' bits.
@@ -159,15 +164,18 @@ impl<'s> Tessellation<'s> {
             let entity = reader.entity(id).ok()?;
             entity.records.iter().flat_map(|r| &r.parameters).filter_map(Value::reference).last()
         };
+        let known = |&id: &u64| kind(reader, id).map(|kind| (id, kind));
+        let kinds: HashMap<u64, &'static str> = catalog.tessellated.iter().filter_map(known).collect();
         let mut annotations = HashSet::new();
         let mut waiting: Vec<u64> = catalog.tessellated_annotations.iter().filter_map(drawn).collect();
         while let Some(id) = waiting.pop() {
-            if annotations.insert(id) && kind(reader, id).is_some_and(|kind| CONTAINERS.contains(&kind)) {
+            if annotations.insert(id) && kinds.get(&id).is_some_and(|kind| CONTAINERS.contains(kind)) {
                 waiting.extend(Fields::of(reader, id).children());
             }
         }
         Self {
             styles,
+            kinds,
             points: HashMap::new(),
             welded: HashMap::new(),
             taken: HashSet::new(),
@@ -184,8 +192,8 @@ impl<'s> Tessellation<'s> {
     fn skip(&mut self, reader: &Reader, mut items: Vec<u64>) -> Vec<u64> {
         let mut skipped = Vec::new();
         while let Some(id) = items.pop() {
-            let Some(kind) = kind(reader, id).filter(|_| self.taken.insert(id)) else { continue };
-            if TRIANGULATED.contains(&kind) {
+            let Some(kind) = self.kinds.get(&id).filter(|_| self.taken.insert(id)) else { continue };
+            if TRIANGULATED.contains(kind) {
                 skipped.push(id);
             } else {
                 items.extend(Fields::of(reader, id).children());
@@ -203,7 +211,7 @@ impl<'s> Tessellation<'s> {
 
     /// The body of a tessellated item; `None` where nothing of it is to be imported.
     fn body(&mut self, reader: &mut Reader, id: u64, inherited: Option<Color>) -> Option<Body> {
-        let kind = kind(reader, id)?;
+        let kind = *self.kinds.get(&id).filter(|_| !self.taken.contains(&id))?;
         let fields = Fields::of(reader, id);
         let linked =
             matches!(kind, "TESSELLATED_SOLID" | "TESSELLATED_SHELL").then(|| fields.last_reference());
@@ -226,7 +234,7 @@ impl<'s> Tessellation<'s> {
         inherited: Option<Color>,
         faces: &mut Vec<Id<Face>>,
     ) {
-        let Some(kind) = kind(reader, id) else { return };
+        let Some(&kind) = self.kinds.get(&id) else { return };
         if reader.taken_bodies.contains(&id) {
             // The file marks it as invisible, and that was said.
             self.skip(reader, vec![id]);
@@ -279,12 +287,15 @@ impl<'s> Tessellation<'s> {
         for_each_row(parts.pnindex, |row| pnindex.extend_from_slice(row));
         let millimetres = reader.units.millimetres;
         let mut triangle = |work: &mut Self, numbers: [f64; 3]| {
-            reader.model.declared_faces += 1;
             let corners = numbers.map(|number| corner(number, &pnindex));
-            let [Some(a), Some(b), Some(c)] = corners else { return work.astray.add(id) };
+            let [Some(a), Some(b), Some(c)] = corners else {
+                reader.model.declared_faces += 1;
+                return work.astray.add(id);
+            };
             let corners = [a, b, c].map(|p| world_from_item.transform_point3(p * millimetres));
             match work.facet(reader, corners, id, color) {
                 Some(face) => {
+                    reader.model.declared_faces += 1;
                     work.imported.add(id);
                     faces.push(face);
                 }
@@ -369,13 +380,13 @@ impl<'s> Tessellation<'s> {
     fn report(self, reader: &mut Reader, catalog: &Catalog) {
         let mut others = Tally::default();
         for &id in catalog.tessellated.iter().filter(|id| !self.taken.contains(id)) {
-            if kind(reader, id).is_some_and(|kind| TRIANGULATED.contains(&kind)) {
+            if self.kinds.get(&id).is_some_and(|kind| TRIANGULATED.contains(kind)) {
                 others.add(id);
             }
         }
         let mut say = |severity, tally: &Tally, reason: &str, lost: bool| {
             if tally.count > 0 {
-                let kind = kind(reader, tally.first).unwrap_or_default();
+                let kind = self.kinds.get(&tally.first).copied().unwrap_or_default();
                 let reason = format!("{} {reason}", tally.count);
                 let mut diagnostic = Diagnostic::new(severity, tally.first, kind, reason);
                 diagnostic.faces = if lost { u32::try_from(tally.count).unwrap_or(u32::MAX) } else { 0 };
@@ -390,7 +401,7 @@ impl<'s> Tessellation<'s> {
             "curved triangles imported as planar facets by their corners",
             false,
         );
-        say(Severity::Note, &self.flat, "triangles without an area are left out", true);
+        say(Severity::Note, &self.flat, "triangles without an area are left out", false);
         say(Severity::Dropped, &self.astray, "triangles name points that the file does not have", true);
         say(Severity::Note, &self.left_out, "tessellations left out beside exact shape", false);
         say(

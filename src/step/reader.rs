@@ -105,7 +105,11 @@ impl<'a> Reader<'a> {
         let statement = self.index.find(id).ok_or_else(|| Problem {
             entity: id,
             kind: "reference".into(),
-            reason: "the file has no such entity".into(),
+            reason: if self.index.is_external(id) {
+                "the entity stands in another file".into()
+            } else {
+                "the file has no such entity".into()
+            },
         })?;
         let bytes = self.index.bytes;
         let fail = |reason: String| Problem {

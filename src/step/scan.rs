@@ -49,7 +49,7 @@ pub struct Index<'a> {
     pub faults: Vec<Fault>,
     /// How many more there were.
     pub further_faults: usize,
-    /// Instances of a reference section that stand in other files: number, and where the file's name lies.
+    /// Instances of a reference section, sorted: number, and where the name of the file lies; an empty name is this file's.
     pub external: Vec<(u64, Range<usize>)>,
     /// Offsets of line breaks, found when a line number is first asked for.
     line_breaks: OnceCell<Vec<usize>>,
@@ -80,6 +80,11 @@ impl Index<'_> {
             return Some(offset);
         }
         self.statements.binary_search_by_key(&id, |s| s.id).ok()
+    }
+
+    /// Whether a reference section says that this instance stands in another file.
+    pub fn is_external(&self, id: u64) -> bool {
+        self.external.binary_search_by_key(&id, |(id, _)| *id).is_ok()
     }
 
     /// The line, from 1, of a byte offset.
@@ -219,6 +224,7 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
         index.fault(bytes.len(), id, "a scope is not closed");
     }
     sort_by_id(&mut index);
+    index.external.sort_by_key(|(id, _)| *id);
     index
 }
 
