@@ -4,9 +4,9 @@
 //! edge, so they are apart by the sum of their two bounds at most: a certificate that needs no look at the two faces
 //! together. Where more than two faces meet in an edge, the two worst of them count.
 
-use super::{Draft, metadata};
-use crate::brep::{Diagnostic, Edge, Id, Model, Severity};
-use crate::scene::{EdgeGap, Metadata};
+use super::Draft;
+use crate::brep::{Diagnostic, Diagnostics, Edge, Id, Model, Severity};
+use crate::scene::EdgeGap;
 
 /// Gaps above this share of the smaller face are worth a warning: a picture shows them.
 const WIDE: f64 = 1e-3;
@@ -35,8 +35,9 @@ impl Meeting {
     }
 }
 
-/// Notes the largest gap of the model, and warns of those that show.
-pub(super) fn report(metadata: &mut Metadata, model: &Model, drafts: &[Draft]) {
+/// The largest gap of the model; warns of all gaps that show.
+pub(super) fn report(findings: &mut Diagnostics, model: &Model, drafts: &[Draft]) -> Option<EdgeGap> {
+    let mut widest: Option<EdgeGap> = None;
     let mut meetings = vec![Meeting::default(); model.edges.len()];
     for outline in drafts.iter().filter_map(|draft| draft.outline.as_ref().ok()) {
         for deviation in &outline.edges {
@@ -46,14 +47,15 @@ pub(super) fn report(metadata: &mut Metadata, model: &Model, drafts: &[Draft]) {
     for (index, meeting) in meetings.iter().enumerate() {
         let Some(distance) = meeting.gap() else { continue };
         let entity = model.edges[Id::<Edge>::new(index)].entity;
-        if metadata.largest_gap.is_none_or(|largest| distance > largest.distance) {
-            metadata.largest_gap = Some(EdgeGap { entity, distance });
+        if widest.is_none_or(|widest| distance > widest.distance) {
+            widest = Some(EdgeGap { entity, distance });
         }
         if distance > WIDE * meeting.size {
             let reason = format!("its faces are up to {distance:.1e} mm apart");
-            metadata::report(metadata, Diagnostic::new(Severity::Warning, entity, "EDGE_CURVE", reason));
+            findings.push(Diagnostic::new(Severity::Warning, entity, "EDGE_CURVE", reason));
         }
     }
+    widest
 }
 
 #[cfg(test)]

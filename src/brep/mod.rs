@@ -8,11 +8,12 @@ mod assembly;
 mod diagnostic;
 mod id;
 mod model;
+pub mod primitive;
 mod recognise;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
-pub use diagnostic::{Diagnostic, Severity};
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use id::{Arena, Id};
 pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,

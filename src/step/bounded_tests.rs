@@ -131,10 +131,10 @@ fn offsets_of_other_surfaces_say_how_close_they_are() {
 fn invisible_bodies_and_drawings_are_left_out() {
     let text = cube("#900")
         + PRODUCT
-        + "#600=STYLED_ITEM('',(),#1);#601=INVISIBILITY((#600));#602=TESSELLATED_SOLID();";
+        + "#600=STYLED_ITEM('',(),#1);#601=INVISIBILITY((#600));#602=TESSELLATED_CURVE_SET();";
     let model = model(&text);
     assert_eq!((model.declared_faces, model.faces.len()), (6, 0));
     let kinds: Vec<_> = model.diagnostics.iter().map(|d| (d.kind.as_str(), d.faces, d.severity)).collect();
-    assert_eq!(kinds[0], ("TESSELLATED_SOLID", 0, Severity::Note));
+    assert_eq!(kinds[0], ("TESSELLATED_CURVE_SET", 0, Severity::Note));
     assert_eq!(kinds[1..], [("ADVANCED_FACE", 1, Severity::Hidden); 6]);
 }

@@ -11,11 +11,12 @@ use super::hidden::is_left_out;
 use super::map_bounded::is_loose_surface;
 use super::map_placement::{mapped_representation, related, transformation};
 use super::map_style::Styles;
+use super::map_tessellated::{self, is_tessellated};
 use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::{MAX_CHAIN, Problem, Reader};
 use super::roots;
 use super::units::{self, Units};
-use crate::brep::{Id, Part, Severity};
+use crate::brep::{Diagnostic, Id, Part, Severity};
 use std::collections::{HashMap, HashSet};
 
 /// A representation: `(name, items, context)`.
@@ -47,6 +48,7 @@ const OTHER_SHAPES: [&str; 13] = [
 pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
     let mut assembly = Assembly::gather(reader, catalog);
     assembly.map_bodies(reader, styles);
+    map_tessellated::map(reader, &mut assembly, catalog, styles);
     assembly.place_mapped_items(reader, styles);
     for &id in &catalog.placements {
         if let Err(problem) = assembly.place_occurrence(reader, id, styles) {
@@ -54,8 +56,9 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
         }
     }
     assembly.place_related(reader);
+    assembly.place_usages(reader, &catalog.usages);
     assembly.map_unreached(reader, catalog, styles);
-    roots::find(reader);
+    roots::find(reader, &assembly.hidden);
 }
 
 pub struct Assembly {
@@ -75,6 +78,10 @@ pub struct Assembly {
     pub placing: Vec<u64>,
     parts: HashMap<u64, Id<Part>>,
     units: HashMap<Option<u64>, Units>,
+    /// Occurrences that a context-dependent representation places.
+    pub placed_usages: HashSet<u64>,
+    /// Parts that are placed invisibly.
+    pub hidden: HashSet<Id<Part>>,
     /// Placements made, so that one that is given twice (as occurrence and as mapped item) is made once.
     pub placed: HashSet<(Id<Part>, Id<Part>, [i64; 12])>,
 }
@@ -92,10 +99,17 @@ impl Assembly {
             placing: Vec::new(),
             parts: HashMap::new(),
             units: HashMap::new(),
+            placed_usages: HashSet::new(),
+            hidden: HashSet::new(),
             placed: HashSet::new(),
         };
         let mut first_of_product = HashMap::new();
-        for &id in &catalog.definitions {
+        let is_of_product = |id: &&u64| {
+            let definition = reader.entity(**id).ok().and_then(|e| e.first().reference(0));
+            definition.is_some_and(|definition| reader.keyword(definition) == "PRODUCT_DEFINITION_SHAPE")
+        };
+        let properties = catalog.properties.iter().filter(is_of_product);
+        for &id in catalog.definitions.iter().chain(properties) {
             let Some((product, representation)) = defined_product(reader, id) else { continue };
             assembly.include(reader, representation);
             assembly.products.entry(representation).or_insert(product);
@@ -160,6 +174,12 @@ impl Assembly {
                 self.groups.join(first, second);
             }
         }
+    }
+
+    /// The part of a representation's group, where it was made.
+    pub fn known_part(&mut self, representation: u64) -> Option<Id<Part>> {
+        let group = self.groups.find(representation);
+        self.parts.get(&group).copied()
     }
 
     /// The part of a representation's group, made when first needed.
@@ -255,11 +275,9 @@ impl Assembly {
         if left > 0 {
             let first = reader.open_faces.iter().copied().min().unwrap_or(0);
             let reason = format!("{left} faces belong to no body of a product, such as #{first}");
-            let kind = reader.keyword(first).into_owned();
-            reader.report(Severity::Dropped, Problem { entity: first, kind, reason });
-            if let Some(diagnostic) = reader.model.diagnostics.last_mut() {
-                diagnostic.faces = u32::try_from(left).unwrap_or(u32::MAX);
-            }
+            let faces = u32::try_from(left).unwrap_or(u32::MAX);
+            let finding = Diagnostic::new(Severity::Dropped, first, reader.keyword(first), reason);
+            reader.model.diagnostics.push(Diagnostic { faces, ..finding });
             reader.open_faces.clear();
         }
     }
@@ -309,7 +327,7 @@ fn is_loose(reader: &Reader, id: u64) -> bool {
 
 fn report_other_shape(reader: &mut Reader, id: u64) {
     let kind = reader.keyword(id).into_owned();
-    if !is_left_out(&kind) && OTHER_SHAPES.iter().any(|word| kind.contains(word)) {
+    if !is_left_out(&kind) && !is_tessellated(&kind) && OTHER_SHAPES.iter().any(|word| kind.contains(word)) {
         reader.report(
             Severity::Dropped,
             Problem { entity: id, kind, reason: "this kind of shape is not read".into() },

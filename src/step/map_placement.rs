@@ -3,9 +3,10 @@
 use super::map_assembly::{Assembly, Representation};
 use super::map_style::Styles;
 use super::reader::{Mapped, Problem, Reader, problem, reference};
-use super::value::Entity;
-use crate::brep::{Child, Color, Severity};
+use super::value::{Entity, Record};
+use crate::brep::{Child, Color, Id, Part, Severity};
 use glam::DAffine3;
+use std::collections::HashMap;
 
 impl Assembly {
     pub fn place_mapped_items(&mut self, reader: &mut Reader, styles: &Styles) {
@@ -41,8 +42,11 @@ impl Assembly {
             parent,
             child: mapped,
             parent_from_child: parent_from_target * child_from_origin.inverse(),
-            name: entity.first().text(0),
-            color: styles.of(item),
+            occurrence: Occurrence {
+                name: entity.first().text(0),
+                color: styles.of(item).or(styles.of_occurrence(item)),
+                is_hidden: reader.hidden_placements.contains(&item),
+            },
             entity: item,
         };
         self.place(reader, placement)
@@ -54,7 +58,12 @@ impl Assembly {
         let relationship = reader.referred(id, entity.first(), 0)?;
         let shape = reader.referred(id, entity.first(), 1)?;
         let occurrence = reader.referred(shape.id, shape.first(), 2)?;
-        let usage = occurrence.first();
+        if occurrence.is("SPECIFIED_HIGHER_USAGE_OCCURRENCE") {
+            // It names a component of a component, which the occurrences on the way to it place.
+            return Ok(());
+        }
+        self.placed_usages.insert(occurrence.id);
+        let usage = usage(&occurrence);
         let (parent_product, child_product) = (usage.reference(3), usage.reference(4));
         let [first, second] = related(&relationship)
             .ok_or_else(|| problem(&relationship, "two representations are not related"))?;
@@ -68,9 +77,49 @@ impl Assembly {
         } else {
             of(self, first, child_product) || !of(self, second, child_product)
         };
-        let name = [1, 0].map(|at| usage.text(at)).into_iter().find(|name| is_name(name)).unwrap_or_default();
-        let color = styles.of_occurrence(id);
-        self.place_by_relationship(reader, &relationship, [first, second], first_is_child, name, color)
+        let is_hidden = [id, relationship.id].iter().any(|id| reader.hidden_placements.contains(id));
+        let color = styles.of_occurrence(id).or(styles.of_occurrence(relationship.id));
+        let occurrence = Occurrence { name: usage_name(usage), color, is_hidden };
+        self.place_by_relationship(reader, &relationship, [first, second], first_is_child, occurrence)
+    }
+
+    /// Occurrences that nothing places, of parts that have shape: they stand at their assembly's origin, as they were designed.
+    pub fn place_usages(&mut self, reader: &mut Reader, usages: &[u64]) {
+        let mut groups_of: HashMap<u64, u64> = HashMap::new();
+        for &(group, product) in &self.described {
+            groups_of.entry(product).and_modify(|known| *known = group.min(*known)).or_insert(group);
+        }
+        let (mut first, mut count) = (0, 0);
+        for &id in usages.iter().filter(|&id| !self.placed_usages.contains(id)).collect::<Vec<_>>() {
+            let Ok(entity) = reader.entity(id) else { continue };
+            if entity.is("SPECIFIED_HIGHER_USAGE_OCCURRENCE") {
+                continue;
+            }
+            let usage = usage(&entity);
+            let group = |at| usage.reference(at).and_then(|product| groups_of.get(&product).copied());
+            let (Some(parent), Some(child)) = (group(3), group(4)) else { continue };
+            // A part without bodies and children has nothing to show; one that a mapped item places is there already.
+            let Some(part) = self.known_part(child) else { continue };
+            let places = |p: Id<Part>| reader.model.parts[p].children.iter().any(|c| c.part == part);
+            if self.hidden.contains(&part) || self.known_part(parent).is_some_and(places) {
+                continue;
+            }
+            let occurrence = Occurrence { name: usage_name(usage), color: None, is_hidden: false };
+            let parent_from_child = DAffine3::IDENTITY;
+            if self
+                .place(reader, Placement { parent, child, parent_from_child, occurrence, entity: id })
+                .is_ok()
+            {
+                first = if count == 0 { id } else { first };
+                count += 1;
+            }
+        }
+        if count > 0 {
+            let reason =
+                format!("{count} occurrences without a placement stand at the origin of their assembly");
+            let kind = "NEXT_ASSEMBLY_USAGE_OCCURRENCE".into();
+            reader.report(Severity::Warning, Problem { entity: first, kind, reason });
+        }
     }
 
     /// Relationships with a transformation that no occurrence uses.
@@ -79,7 +128,9 @@ impl Assembly {
             let placed = reader.entity(id).and_then(|entity| match related(&entity) {
                 Some(pair) => {
                     let first_is_child = transformation(&entity).is_some();
-                    self.place_by_relationship(reader, &entity, pair, first_is_child, String::new(), None)
+                    let is_hidden = reader.hidden_placements.contains(&id);
+                    let occurrence = Occurrence { is_hidden, ..Occurrence::default() };
+                    self.place_by_relationship(reader, &entity, pair, first_is_child, occurrence)
                 }
                 None => Ok(()),
             });
@@ -95,8 +146,7 @@ impl Assembly {
         relationship: &Entity,
         [first, second]: [u64; 2],
         first_is_child: bool,
-        name: String,
-        color: Option<Color>,
+        occurrence: Occurrence,
     ) -> Mapped<()> {
         let (child, parent) = if first_is_child { (first, second) } else { (second, first) };
         let parent_from_child = match transformation(relationship) {
@@ -105,7 +155,7 @@ impl Assembly {
         };
         self.place(
             reader,
-            Placement { parent, child, parent_from_child, name, color, entity: relationship.id },
+            Placement { parent, child, parent_from_child, occurrence, entity: relationship.id },
         )
     }
 
@@ -143,7 +193,7 @@ impl Assembly {
     }
 
     fn place(&mut self, reader: &mut Reader, placement: Placement) -> Mapped<()> {
-        let Placement { parent, child, parent_from_child, name, color, entity } = placement;
+        let Placement { parent, child, parent_from_child, occurrence, entity } = placement;
         let wrong = |reason: &str| Problem { entity, kind: "placement".into(), reason: reason.into() };
         if !parent_from_child.is_finite() || parent_from_child.matrix3.determinant() == 0.0 {
             return Err(wrong("the placement has no finite inverse; the component is left out"));
@@ -157,6 +207,11 @@ impl Assembly {
             return Err(wrong("a part is placed in itself; the component is left out"));
         }
         let (parent, part) = (self.part(reader, parent), self.part(reader, child));
+        if occurrence.is_hidden {
+            self.hidden.insert(part);
+            return Ok(());
+        }
+        let Occurrence { name, color, .. } = occurrence;
         let key = parent_from_child.to_cols_array().map(|value| (value * 1e6).round() as i64);
         if self.placed.insert((parent, part, key)) {
             let name = if is_name(&name) { name } else { String::new() };
@@ -175,9 +230,25 @@ struct Placement {
     parent: u64,
     child: u64,
     parent_from_child: DAffine3,
+    occurrence: Occurrence,
+    entity: u64,
+}
+
+/// What a file says of an occurrence beside its place.
+#[derive(Debug, Default)]
+struct Occurrence {
     name: String,
     color: Option<Color>,
-    entity: u64,
+    is_hidden: bool,
+}
+
+/// The record of an occurrence that names what is used where: id, name, description, assembly, component.
+fn usage<'e>(entity: &'e Entity) -> &'e Record<'e> {
+    entity.record("PRODUCT_DEFINITION_RELATIONSHIP").unwrap_or(entity.first())
+}
+
+fn usage_name(usage: &Record) -> String {
+    [1, 0].map(|at| usage.text(at)).into_iter().find(|name| is_name(name)).unwrap_or_default()
 }
 
 /// Labels of Open CASCADE's document, such as `=>[0:1:1:2]`, are no names.

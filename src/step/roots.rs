@@ -5,8 +5,8 @@ use crate::brep::{Id, Part};
 use std::collections::{HashMap, HashSet};
 
 /// The parts that no other part places; and, of circles that nothing else reaches, one part each. Trees without any body are
-/// left out.
-pub fn find(reader: &mut Reader) {
+/// left out, and those that only `hidden` parts lead to: what is placed invisibly is nowhere.
+pub fn find(reader: &mut Reader, hidden: &HashSet<Id<Part>>) {
     let model = &mut reader.model;
     let mut parents: HashMap<Id<Part>, Vec<Id<Part>>> = HashMap::new();
     for id in model.parts.ids() {
@@ -19,12 +19,13 @@ pub fn find(reader: &mut Reader) {
     let above = |id: Id<Part>| parents.get(&id).cloned().unwrap_or_default();
     reach(&mut shaped, model.parts.ids().filter(with_bodies).collect(), above);
     let mut reached = HashSet::new();
+    let below = |id: Id<Part>| model.parts[id].children.iter().map(|c| c.part).collect::<Vec<_>>();
+    reach(&mut reached, hidden.iter().copied().collect(), below);
     for circles in [false, true] {
         for id in model.parts.ids().filter(|id| shaped.contains(id)) {
             let is_root = if circles { with_bodies(&id) } else { !parents.contains_key(&id) };
             if is_root && !reached.contains(&id) {
                 model.roots.push(id);
-                let below = |id: Id<Part>| model.parts[id].children.iter().map(|c| c.part).collect();
                 reach(&mut reached, vec![id], below);
             }
         }

@@ -7,7 +7,10 @@
 //! fact finds the end of a statement whose `;` is missing: the next `#digits=` begins a new one. A string that runs over
 //! the beginning of another instance at a line's start was never closed.
 //!
-//! Invariants: statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
+//! Scopes of edition 1 are flattened: what is inside is as visible as everything else. References to other files
+//! (edition 3) are kept apart.
+//!
+//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
 //! and do not overlap; memory is linear in the number of statements.
 
 use memchr::{memchr, memmem};
@@ -33,7 +36,6 @@ pub struct Fault {
     /// What is wrong.
     pub reason: &'static str,
 }
-
 /// The indexed file.
 #[derive(Debug)]
 pub struct Index<'a> {
@@ -43,26 +45,49 @@ pub struct Index<'a> {
     pub header: Range<usize>,
     /// All instances of all data sections, sorted by id.
     pub statements: Vec<Statement>,
-    /// What was wrong on the way.
+    /// What was wrong on the way: the first [`MOST_FAULTS`] findings.
     pub faults: Vec<Fault>,
+    /// How many more there were.
+    pub further_faults: usize,
+    /// Instances of a reference section that stand in other files: number, and where the file's name lies.
+    pub external: Vec<(u64, Range<usize>)>,
     /// Offsets of line breaks, found when a line number is first asked for.
     line_breaks: OnceCell<Vec<usize>>,
 }
 
+/// A file that is wrong everywhere may be wrong in each of its bytes; after so many findings they are only counted.
+pub const MOST_FAULTS: usize = 1000;
+
 impl Index<'_> {
+    fn fault(&mut self, at: usize, id: u64, reason: &'static str) {
+        if self.faults.len() < MOST_FAULTS {
+            self.faults.push(Fault { at, id, reason });
+        } else {
+            self.further_faults += 1;
+        }
+    }
+
     /// The statement with this id.
     pub fn find(&self, id: u64) -> Option<&Statement> {
+        self.position(id).map(|at| &self.statements[at])
+    }
+
+    /// The index of the statement with this id.
+    pub fn position(&self, id: u64) -> Option<usize> {
         // Most files number their instances without gaps.
         let offset = usize::try_from(id.checked_sub(self.statements.first()?.id)?).ok()?;
-        if let Some(statement) = self.statements.get(offset).filter(|s| s.id == id) {
-            return Some(statement);
+        if self.statements.get(offset).is_some_and(|s| s.id == id) {
+            return Some(offset);
         }
-        self.statements.binary_search_by_key(&id, |s| s.id).ok().map(|at| &self.statements[at])
+        self.statements.binary_search_by_key(&id, |s| s.id).ok()
     }
 
     /// The line, from 1, of a byte offset.
     pub fn line(&self, at: usize) -> usize {
-        let breaks = self.line_breaks.get_or_init(|| memchr::memchr_iter(b'\n', self.bytes).collect());
+        let is_break = |at: &usize| self.bytes[*at] == b'\n' || self.bytes.get(at + 1) != Some(&b'\n');
+        let breaks = self
+            .line_breaks
+            .get_or_init(|| memchr::memchr2_iter(b'\n', b'\r', self.bytes).filter(is_break).collect());
         1 + breaks.partition_point(|&line_break| line_break < at)
     }
 }
@@ -131,6 +156,14 @@ fn instance_start(bytes: &[u8], at: usize) -> Option<(u64, usize)> {
     (bytes.get(equals) == Some(&b'=')).then_some((id, equals + 1))
 }
 
+/// The section that a position lies in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Section {
+    Data,
+    Reference,
+    Other,
+}
+
 /// Finds all statements.
 pub fn index(bytes: &[u8]) -> Index<'_> {
     let mut index = Index {
@@ -138,83 +171,107 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
         header: 0..0,
         statements: Vec::new(),
         faults: Vec::new(),
+        further_faults: 0,
+        external: Vec::new(),
         line_breaks: OnceCell::new(),
     };
     let mut at = byte_order_mark(bytes);
-    let mut in_data = false;
+    let mut section = Section::Other;
+    // The instances whose scopes are open, from outside in.
+    let mut scopes = Vec::new();
     loop {
         at = skip_blank(bytes, at);
         if at >= bytes.len() {
             break;
         }
-        if in_data && bytes[at] == b'#' {
-            at = read_instance(&mut index, at);
+        if bytes[at] == b'#' && section != Section::Other {
+            at = match section {
+                Section::Data => read_instance(&mut index, at, &mut scopes),
+                _ => read_reference(&mut index, at),
+            };
             continue;
         }
         let end = keyword_end(bytes, at);
-        let keyword = bytes[at..end].to_ascii_uppercase();
-        let next = statement_end(bytes, end).next;
-        match keyword.as_slice() {
-            b"DATA" => in_data = true,
-            b"ENDSEC" => in_data = false,
-            b"HEADER" => {
-                index.header = next..section_end(bytes, next);
-                at = index.header.end;
-                continue;
-            }
-            b"&SCOPE" | b"ENDSCOPE" => {}
-            _ if in_data => index.faults.push(Fault { at, id: 0, reason: "text that is no instance" }),
-            _ => {}
+        if bytes[at..end].eq_ignore_ascii_case(b"ENDSCOPE")
+            && let Some(id) = scopes.pop()
+        {
+            at = read_scoped(&mut index, id, end);
+            continue;
         }
-        at = match bytes[at] {
-            // Edition 1's scopes have no `;` of their own: what follows is an instance.
-            b'&' => keyword_end(bytes, at + 1),
-            _ if keyword == b"ENDSCOPE" => end,
-            _ => next.max(at + 1),
-        };
+        let next = statement_end(bytes, end).next;
+        let is = |word: &[u8]| bytes[at..end].eq_ignore_ascii_case(word);
+        if is(b"DATA") {
+            section = Section::Data;
+        } else if is(b"REFERENCE") {
+            section = Section::Reference;
+        } else if is(b"ENDSEC") {
+            section = Section::Other;
+        } else if is(b"HEADER") {
+            index.header = next..section_end(bytes, next);
+            at = index.header.end;
+            continue;
+        } else if section == Section::Data {
+            index.fault(at, 0, "text that is no instance");
+        }
+        at = next.max(at + 1);
+    }
+    for id in scopes {
+        index.fault(bytes.len(), id, "a scope is not closed");
     }
     sort_by_id(&mut index);
     index
 }
 
-/// Reads the instance at `at` and returns where the next statement begins.
-fn read_instance(index: &mut Index, at: usize) -> usize {
+/// Reads the instance at `at` and returns where the next statement begins. Of one with a scope, `#1=&SCOPE #2=...; ENDSCOPE
+/// /#2/ KEYWORD(...)`, only the beginning is read: `scopes` keeps its number.
+fn read_instance(index: &mut Index, at: usize, scopes: &mut Vec<u64>) -> usize {
     let bytes = index.bytes;
     let Some((id, start)) = instance_start(bytes, at) else {
-        index.faults.push(Fault { at, id: 0, reason: "an instance needs `#number =`" });
+        index.fault(at, 0, "an instance needs `#number =`");
         return statement_end(bytes, at + 1).next;
     };
     let start = skip_blank(bytes, start);
     if bytes[start..].get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"&SCOPE")) {
-        return read_scope(index, id, start + 6);
+        scopes.push(id);
+        return start + 6;
     }
-    let end = statement_end(bytes, start);
+    read_body(index, id, start)
+}
+
+/// Reads the body of instance `id` that begins at `start` and returns where the next statement begins.
+fn read_body(index: &mut Index, id: u64, start: usize) -> usize {
+    let end = statement_end(index.bytes, start);
     if let Some(reason) = end.fault {
-        index.faults.push(Fault { at, id, reason });
+        index.fault(start, id, reason);
     }
-    index.statements.push(Statement { id, body: start..end.body });
+    index.statements.push(Statement { id, body: start.min(end.body)..end.body });
     end.next
 }
 
-/// `&SCOPE #2=...; ENDSCOPE /#2/ KEYWORD(...)`: the inner instances are read as any others, the outer body follows `ENDSCOPE`.
-fn read_scope(index: &mut Index, id: u64, mut at: usize) -> usize {
+/// Reads the body of instance `id` from after its `ENDSCOPE`: a list of what the scope exports, between slashes, may come first.
+fn read_scoped(index: &mut Index, id: u64, at: usize) -> usize {
     let bytes = index.bytes;
-    loop {
-        at = skip_blank(bytes, at);
-        let Some((inner, start)) = instance_start(bytes, at) else { break };
-        let end = statement_end(bytes, start);
-        index.statements.push(Statement { id: inner, body: start..end.body });
-        at = end.next;
+    let mut start = skip_blank(bytes, at);
+    if bytes.get(start) == Some(&b'/') {
+        let is_export = |b: &u8| *b <= b' ' || b.is_ascii_digit() || matches!(b, b'#' | b',');
+        let rest = &bytes[start + 1..];
+        let length = rest.iter().position(|b| !is_export(b)).unwrap_or(rest.len());
+        start = skip_blank(bytes, (start + 2 + length).min(bytes.len()));
     }
-    if bytes[at..].get(..8).is_some_and(|word| word.eq_ignore_ascii_case(b"ENDSCOPE")) {
-        at = skip_blank(bytes, at + 8);
-        if bytes.get(at) == Some(&b'/') {
-            at = memchr(b'/', &bytes[at + 1..]).map_or(bytes.len(), |length| at + length + 2);
-        }
+    read_body(index, id, start)
+}
+
+/// Reads `#5=<file.stp#name>;` of a reference section and returns where the next statement begins.
+fn read_reference(index: &mut Index, at: usize) -> usize {
+    let bytes = index.bytes;
+    let (id, start) = instance_start(bytes, at).unwrap_or((0, at + 1));
+    let end = statement_end(bytes, start);
+    let name = skip_blank(bytes, start);
+    if id != 0 && name < end.body && bytes[name] == b'<' {
+        let length = bytes[name + 1..end.body].iter().position(|b| matches!(b, b'#' | b'>'));
+        index.external.extend(length.map(|length| (id, name + 1..name + 1 + length)));
     }
-    let end = statement_end(bytes, at);
-    index.statements.push(Statement { id, body: at.min(end.body)..end.body });
-    end.next
+    end.next.max(at + 1)
 }
 
 /// The position of the `ENDSEC`, `DATA` or instance that ends the header beginning at `at`.
@@ -283,11 +340,15 @@ fn string_end(bytes: &[u8], at: usize) -> Result<usize, usize> {
     }
 }
 
-/// The first line beginning in `from..to` that begins with `#digits=`.
+/// The first line beginning in `from..to` that begins with `#digits=`. Nothing but blanks may stand before the `=`: to look over
+/// line breaks and comments from each line would make the search quadratic.
 fn line_with_instance(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
-    memchr::memchr_iter(b'\n', &bytes[from..to])
-        .map(|length| from + length + 1)
-        .find(|&line| instance_start(bytes, line).is_some())
+    memchr::memchr2_iter(b'\n', b'\r', &bytes[from..to]).map(|length| from + length + 1).find(|&line| {
+        instance_name(bytes, line).is_some_and(|(_, end)| {
+            let blanks = bytes[end..].iter().position(|b| !matches!(b, b' ' | b'\t'));
+            blanks.is_some_and(|length| bytes[end + length] == b'=')
+        })
+    })
 }
 
 /// Where the instance name begins that stands before the `=` at `equals`, not before `start`.
@@ -300,16 +361,17 @@ fn name_before(bytes: &[u8], start: usize, equals: usize) -> Option<usize> {
 
 fn sort_by_id(index: &mut Index) {
     if !index.statements.is_sorted_by(|a, b| a.id < b.id) {
-        index.statements.sort_by_key(|s| s.id);
-        let faults = &mut index.faults;
-        index.statements.dedup_by(|later, kept| {
+        let mut statements = std::mem::take(&mut index.statements);
+        statements.sort_by_key(|s| s.id);
+        statements.dedup_by(|later, kept| {
             let same = later.id == kept.id;
             if same {
                 let reason = "an instance with this number came before; this one is ignored";
-                faults.push(Fault { at: later.body.start, id: later.id, reason });
+                index.fault(later.body.start, later.id, reason);
             }
             same
         });
+        index.statements = statements;
     }
 }
 
@@ -367,6 +429,49 @@ mod tests {
     fn scopes_are_flattened() {
         let text = data("#1=&SCOPE #2=A(); ENDSCOPE /#2/ B(#2);#3=C();");
         assert_eq!(bodies(&text), [(1, "B(#2)"), (2, "A()"), (3, "C()")]);
+        let text = data("#1=&SCOPE\n#2=&SCOPE #3=A();ENDSCOPE B(#3);#4=D();ENDSCOPE/#2, #4/C(#2);#5=E();");
+        assert_eq!(bodies(&text), [(1, "C(#2)"), (2, "B(#3)"), (3, "A()"), (4, "D()"), (5, "E()")]);
+        let open = data("#1=&SCOPE #2=A();");
+        assert_eq!((bodies(&open), index(open.as_bytes()).faults.len()), (vec![(2, "A()")], 1));
+    }
+
+    #[test]
+    fn references_to_other_files_are_kept() {
+        let text = "ISO-10303-21;HEADER;ENDSEC;REFERENCE;#5=<../a b.stp#x>; #6 = <#local>;#7=;ENDSEC;\
+                    DATA;#1=A(#5);ENDSEC;END-ISO-10303-21;";
+        let index = index(text.as_bytes());
+        let names: Vec<_> = index.external.iter().map(|(id, name)| (*id, &text[name.clone()])).collect();
+        assert_eq!((names, bodies(text)), (vec![(5, "../a b.stp"), (6, "")], vec![(1, "A(#5)")]));
+        assert_eq!(index.faults, []);
+    }
+
+    /// Texts on which a search that looks ahead from each line, or from each quote, would take hours.
+    #[test]
+    fn hostile_texts_are_scanned_in_linear_time() {
+        for (start, repeated, end) in [
+            ("#1=A('", "\n#1/*", "');"),
+            ("#1=A('", "\n#1/*", "*/');"),
+            ("", "\n#1=A('", ""),
+            ("", "\n#1=A('''", "';"),
+            ("#1=A(", "=", ");"),
+            ("#1=A(", "1 =", ");"),
+            ("", "#1=&SCOPE ", "ENDSCOPE A();"),
+            ("", "ENDSCOPE /#1,", ";"),
+            ("", "#1\n", ""),
+            ("", "x;", ""),
+        ] {
+            let text = data(&format!("{start}{}{end}", repeated.repeat(1_000_000)));
+            let index = index(text.as_bytes());
+            assert!(index.faults.len() <= MOST_FAULTS, "{start}{repeated}");
+            assert!(index.statements.iter().all(|s| s.body.end <= text.len()));
+        }
+    }
+
+    #[test]
+    fn lines_may_end_with_returns_alone() {
+        assert_eq!(bodies(&data("\r#1=A('x);\r#2=B('y');\r")), [(1, "A('x);"), (2, "B('y')")]);
+        let index = index(b"a\rb\r\nc");
+        assert_eq!([0, 2, 5].map(|at| index.line(at)), [1, 2, 3]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::corpus_tests::check;
 use super::read;
-use crate::brep::{BodyKind, Color, Model, Severity, TrimLoop, occurrences};
+use crate::brep::{BodyKind, Model, Severity, TrimLoop};
 use crate::geometry::{Curve, Surface};
 use glam::DVec3;
 
@@ -172,93 +172,6 @@ fn broken_faces_cost_themselves() {
             .iter()
             .any(|d| d.entity == 201 && d.reason.contains("RECTANGULAR_COMPOSITE_SURFACE #221"))
     );
-}
-
-/// An assembly #700 that places the cube's representation #2 at (10, 0, 0), turned a quarter about z.
-fn placed(relationship: &str, transformation: &str) -> String {
-    cube("#900")
-        + PRODUCT
-        + "#700=PRODUCT('','assembly','',());#701=PRODUCT_DEFINITION_FORMATION('','',#700);\
-           #702=PRODUCT_DEFINITION('','',#701,$);#703=PRODUCT_DEFINITION_SHAPE('','',#702);\
-           #704=SHAPE_DEFINITION_REPRESENTATION(#703,#705);#705=SHAPE_REPRESENTATION('',(#706),#910);\
-           #706=AXIS2_PLACEMENT_3D('',#707,#32,#31);#707=CARTESIAN_POINT('',(10.,0.,0.));\
-           #710=NEXT_ASSEMBLY_USAGE_OCCURRENCE('id','first cube','',#702,#502,$);\
-           #711=PRODUCT_DEFINITION_SHAPE('','',#710);#712=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#713,#711);"
-        + &format!(
-            "#713=(REPRESENTATION_RELATIONSHIP('','',{relationship}) REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#714) \
-             SHAPE_REPRESENTATION_RELATIONSHIP());#714=ITEM_DEFINED_TRANSFORMATION('','',{transformation});"
-        )
-}
-
-#[test]
-fn occurrences_are_placed_whatever_the_order_of_the_relationship() {
-    // Child first, parent first, and parent first with the items left in the order of a child.
-    for (relationship, items) in [("#2,#705", "#4,#706"), ("#705,#2", "#706,#4"), ("#705,#2", "#4,#706")] {
-        let model = model(&placed(relationship, items));
-        assert_eq!(model.diagnostics, []);
-        let (found, cut) = occurrences(&model);
-        assert!(!cut && found.len() == 1 && model.roots.len() == 1);
-        assert_eq!(found[0].path, "assembly/first cube");
-        // The parent is in inches, the child in millimetres.
-        let point = found[0].world_from_part.transform_point3(DVec3::new(1.0, 0.0, 0.0));
-        assert!(point.distance(DVec3::new(254.0, 1.0, 0.0)) < 1e-9, "{relationship}: {point}");
-    }
-}
-
-#[test]
-fn mapped_items_may_mirror_and_scale() {
-    let model = model(
-        &(cube("#900")
-            + "#800=SHAPE_REPRESENTATION('top',(#801,#811),#900);#801=MAPPED_ITEM('left',#802,#706);\
-               #802=REPRESENTATION_MAP(#4,#2);#706=AXIS2_PLACEMENT_3D('',#707,$,$);#707=CARTESIAN_POINT('',(10.,0.,0.));\
-               #811=MAPPED_ITEM('right',#802,#812);#812=CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',$,#30,#813,#707,2.,#32);\
-               #813=DIRECTION('',(0.,-1.,0.));"),
-    );
-    let (found, _) = occurrences(&model);
-    let points: Vec<DVec3> = found.iter().map(|o| o.world_from_part.transform_point3(DVec3::ONE)).collect();
-    assert_eq!(points, [DVec3::new(11.0, 1.0, 1.0), DVec3::new(12.0, -2.0, 2.0)]);
-    assert_eq!((model.roots.len(), model.faces.len()), (1, 6));
-}
-
-#[test]
-fn circles_of_placements_end() {
-    let model = model(
-        &(cube("#900").replace("(#1,#4)", "(#1,#4,#801)")
-            + "#800=SHAPE_REPRESENTATION('b',(#811,#4),#900);#801=MAPPED_ITEM('',#802,#4);\
-               #802=REPRESENTATION_MAP(#4,#800);#811=MAPPED_ITEM('',#812,#4);#812=REPRESENTATION_MAP(#4,#2);"),
-    );
-    assert_eq!(model.roots.len(), 1);
-    assert!(occurrences(&model).1);
-}
-
-#[test]
-fn colours_go_from_outside_in() {
-    let style = |id: u32, item: u32, color: &str| {
-        format!(
-            "#{id}=STYLED_ITEM('',(#{a}),#{item});#{a}=PRESENTATION_STYLE_ASSIGNMENT((#{b}));#{b}=SURFACE_STYLE_USAGE(.BOTH.,#{c});\
-             #{c}=SURFACE_SIDE_STYLE('',(#{d}));#{d}=SURFACE_STYLE_FILL_AREA(#{e});#{e}=FILL_AREA_STYLE('',(#{f}));\
-             #{f}=FILL_AREA_STYLE_COLOUR('',#{g});#{g}={color};",
-            a = id + 1,
-            b = id + 2,
-            c = id + 3,
-            d = id + 4,
-            e = id + 5,
-            f = id + 6,
-            g = id + 7
-        )
-    };
-    let text = cube("#900")
-        + PRODUCT
-        + &style(400, 1, "COLOUR_RGB('',0.25,0.5,1.)")
-        + &style(410, 200, "DRAUGHTING_PRE_DEFINED_COLOUR('red')")
-        + "#420=STYLED_ITEM('',(#421),#202);#421=PRESENTATION_STYLE_ASSIGNMENT((#422));#422=SURFACE_STYLE_USAGE(.BOTH.,#423);\
-           #423=SURFACE_SIDE_STYLE('',(#424));#424=SURFACE_STYLE_RENDERING_WITH_PROPERTIES($,#407,(#425));\
-           #425=SURFACE_STYLE_TRANSPARENT(0.75);";
-    let model = model(&text);
-    let color = |entity: u64| model.faces.iter().find(|f| f.entity == entity).and_then(|f| f.color);
-    assert_eq!(color(200), Some(Color::opaque(1.0, 0.0, 0.0)));
-    assert_eq!(color(201), Some(Color::opaque(0.25, 0.5, 1.0)));
-    assert_eq!(color(202), Some(Color { rgb: [0.25, 0.5, 1.0], opacity: 0.25 }));
 }
 
 #[test]

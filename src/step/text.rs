@@ -2,7 +2,9 @@
 //!
 //! `\X2\..\X0\` (UTF-16), `\X4\..\X0\` (UTF-32), `\X\hh` (Latin-1), `\S\c` (upper half of the page chosen by `\P?\`), `\N\` and `\F\`
 //! (print controls), `''`, `\\`. Raw bytes are UTF-8 where they form it (as edition 3 has it and many files do), else Latin-1.
-//! A directive that is no good stays as it is written.
+//! A directive that is no good stays as it is written; control characters other than line breaks and tabs are left out.
+
+use super::pages;
 
 /// The characters of the string between its apostrophes.
 pub fn decode(raw: &[u8]) -> String {
@@ -10,18 +12,19 @@ pub fn decode(raw: &[u8]) -> String {
         Ok(text) => text.to_owned(),
         Err(_) => raw.iter().map(|&b| char::from(b)).collect(),
     };
-    if !raw.contains(['\\', '\'', '\n', '\r']) {
+    if !raw.contains(['\\', '\'']) && !raw.contains(|c: char| c.is_ascii_control()) {
         return raw;
     }
     let mut out = String::with_capacity(raw.len());
     let mut rest = raw.as_str();
+    let mut page = b'A';
     while let Some(first) = rest.chars().next() {
-        let directive = if first == '\\' { directive(rest, &mut out) } else { None };
+        let directive = if first == '\\' { directive(rest, &mut page, &mut out) } else { None };
         rest = match directive {
             Some(length) => &rest[length..],
             None => {
                 // Long strings are wrapped by some systems: a line break is no character (clause 5.2).
-                if !matches!(first, '\n' | '\r') {
+                if first == '\t' || !first.is_ascii_control() {
                     out.push(first);
                 }
                 let doubled = first == '\'' && rest[1..].starts_with('\'');
@@ -32,8 +35,8 @@ pub fn decode(raw: &[u8]) -> String {
     out
 }
 
-/// Decodes the directive that `text` begins with into `out` and returns its length.
-fn directive(text: &str, out: &mut String) -> Option<usize> {
+/// Decodes the directive that `text` begins with into `out`, or has it choose the page, and returns its length.
+fn directive(text: &str, page: &mut u8, out: &mut String) -> Option<usize> {
     let body = &text[1..];
     if body.starts_with('\\') {
         out.push('\\');
@@ -52,8 +55,9 @@ fn directive(text: &str, out: &mut String) -> Option<usize> {
     }
     if let Some(shifted) = body.strip_prefix("S\\") {
         let character = shifted.chars().next().filter(char::is_ascii)?;
-        out.push(char::from(character as u8 | 0x80));
-        return Some(4);
+        out.push(pages::shifted(*page, character as u8));
+        // An apostrophe is doubled here as everywhere.
+        return Some(4 + usize::from(shifted.starts_with("''")));
     }
     if body.starts_with("N\\") {
         out.push('\n');
@@ -62,13 +66,17 @@ fn directive(text: &str, out: &mut String) -> Option<usize> {
     if body.starts_with("F\\") {
         return Some(3);
     }
-    let page = body.strip_prefix('P')?;
-    (page.as_bytes().first()?.is_ascii_alphabetic() && page.as_bytes().get(1) == Some(&b'\\')).then_some(4)
+    let chosen = body.strip_prefix('P')?.as_bytes();
+    let letter =
+        chosen.first().filter(|letter| letter.is_ascii_alphabetic() && chosen.get(1) == Some(&b'\\'))?;
+    *page = letter.to_ascii_uppercase();
+    Some(4)
 }
 
 /// Decodes groups of `width` hexadecimal digits up to `\X0\` and returns the length consumed.
 fn coded(hex: &str, width: usize, out: &mut String) -> Option<usize> {
-    let length = hex.find("\\X0\\")?;
+    let length =
+        hex.bytes().position(|b| !b.is_ascii_hexdigit()).filter(|&at| hex[at..].starts_with("\\X0\\"))?;
     let digits = &hex.as_bytes()[..length];
     let mut units = Vec::with_capacity(length / width);
     for group in digits.chunks(width) {
@@ -98,6 +106,9 @@ mod tests {
             (r"\X4\0001F600\X0\", "😀"),
             (r"\X\E9t\X\E9", "été"),
             (r"\PA\\S\Dx", "Äx"),
+            (r"\PE\\S\2\S\P\S\[\PA\\S\[", "ВалÛ"),
+            (r"\S\'' 5", "§ 5"),
+            ("nul\0 and\ttab", "nul and\ttab"),
             (r"line\N\break", "line\nbreak"),
             ("wrap\r\nped", "wrapped"),
             ("Würfel", "Würfel"),
