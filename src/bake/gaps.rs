@@ -35,7 +35,7 @@ impl Meeting {
     }
 }
 
-/// The largest gap of the model; warns of those that show.
+/// The largest gap of the model; warns of all gaps that show.
 pub(super) fn report(findings: &mut Diagnostics, model: &Model, drafts: &[Draft]) -> Option<EdgeGap> {
     let mut widest: Option<EdgeGap> = None;
     let mut meetings = vec![Meeting::default(); model.edges.len()];

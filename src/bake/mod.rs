@@ -101,8 +101,8 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
     let metadata = metadata::of_model(model, &occurrences);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
     let mut findings = metadata::findings(model, is_cut);
-    let max_leaves = leaves::most_leaves(patch_points);
     scene.metadata.largest_gap = gaps::report(&mut findings, model, &drafts);
+    let max_leaves = leaves::most_leaves(patch_points);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
     scene.header = header;

@@ -5,7 +5,7 @@ use super::trim_query::inside;
 use super::trim_tree::{TrimTree, build};
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox};
 use crate::trimming::FaceTrim;
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// A linear congruential generator; numbers in 0..1.
@@ -107,6 +107,20 @@ fn check(name: &str, loops: Vec<Loop>, points: usize) {
         }
     }
     assert!(compared * 4 > points, "{name}: {compared} of {points}");
+}
+
+/// A side whose ends differ by roundings: clipping moves its vertices onto the window's border.
+#[test]
+fn almost_flat_sides() {
+    let heights = [5.6e-16, 0.0, 2.2e-16, 6.7e-16, 5.6e-16];
+    let bottom = heights.iter().enumerate().map(|(i, y)| DVec2::new(0.25 * i as f64, *y));
+    // Teeth on the other side, so that the tree has reasons to split.
+    let teeth =
+        (0..40).rev().map(|i| DVec2::new(f64::from(i) / 39.0, if i / 2 % 2 == 0 { 1.0 } else { 0.6 }));
+    let corners: Vec<DVec2> = bottom.chain(teeth).collect();
+    check("comb", vec![polygon(&corners)], 3000);
+    let turned: Vec<DVec2> = corners.iter().map(|p| p.yx()).collect();
+    check("turned comb", vec![polygon(&turned)], 3000);
 }
 
 #[test]

@@ -120,8 +120,13 @@ impl Builder<'_> {
         };
         let mut near = Vec::new();
         let mut far = Vec::new();
+        // The walk to the corner's state passes below a piece that rises from the corner. Where clipping rounds the
+        // first part of it onto the bottom edge, the walk is above it.
+        let mut near_inside = inside;
         for piece in &pieces {
             let [below, above] = self.region.clip(piece, axis, position);
+            let rises = |piece: &Piece| piece.low == cell.low && piece.high[1] > cell.low[1];
+            near_inside ^= rises(piece) && below.is_some_and(|part| part.lies_at(1, cell.low[1]));
             near.extend(below);
             far.extend(above);
         }
@@ -140,7 +145,7 @@ impl Builder<'_> {
 
         let word = self.tree.nodes.len();
         self.tree.nodes.push(0);
-        self.emit(near_cell, near, inside, levels - 1, near_budget);
+        self.emit(near_cell, near, near_inside, levels - 1, near_budget);
         let mut right = (self.tree.nodes.len() - word) as u32;
         if right >= trim_node::FAR {
             self.tree.nodes.insert(word + 1, right + 1);

@@ -89,17 +89,20 @@ pub(super) fn region(
     let mut sets: Vec<Vec<Segment>> = chains.into_iter().map(|chain| chain.segments).collect();
     for axis in axes {
         if let Some(period) = target.periods[axis] {
-            let snap = snap_distance(target, &sets, axis, period);
-            sets = vec![wrap(sets, Strip { axis, origin: origin[axis], period, snap })?];
+            let steepest = steepest(target, &sets, axis);
+            // Parameters closer than this to the side of a strip are on it: ten tolerances in space.
+            let snap = (10.0 * target.tolerance / steepest).clamp(1e-12 * period, 1e-7 * period);
+            let (wrapped, moved) = wrap(sets, Strip { axis, origin: origin[axis], period, snap })?;
+            report.edges.iter_mut().for_each(|(_, deviation)| *deviation += moved * steepest);
+            sets = vec![wrapped];
         }
     }
     finished(sets.into_iter().flatten().collect(), report)
 }
 
-/// Parameters closer than this to the side of a strip are on it: ten tolerances in space.
-fn snap_distance(target: &Target, sets: &[Vec<Segment>], axis: usize, period: f64) -> f64 {
-    let steepest = sets.iter().flatten().map(|s| target.metric(start(s))[axis]).fold(0.0, f64::max);
-    (10.0 * target.tolerance / steepest).clamp(1e-12 * period, 1e-7 * period)
+/// The greatest length of S_u or S_v where segments start, millimetres per unit of parameter.
+fn steepest(target: &Target, sets: &[Vec<Segment>], axis: usize) -> f64 {
+    sets.iter().flatten().map(|s| target.metric(start(s))[axis]).fold(0.0, f64::max)
 }
 
 /// No loop goes round: the window starts at the least parameters of the largest loop.
