@@ -2,7 +2,8 @@
 
 use crate::brep::Model;
 use crate::{iges, step};
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 /// Why a file cannot be imported.
 #[derive(Debug, thiserror::Error)]
@@ -11,7 +12,7 @@ pub enum ImportError {
     #[error("cannot read {path}")]
     Io {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// Why.
         #[source]
         source: std::io::Error,
@@ -20,7 +21,7 @@ pub enum ImportError {
     #[error("{path}: {what}")]
     Unsupported {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// What it is, and what to do.
         what: String,
     },
@@ -28,7 +29,7 @@ pub enum ImportError {
     #[error("{path}: {source}")]
     Step {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// Why.
         #[source]
         source: step::StepError,
@@ -37,7 +38,7 @@ pub enum ImportError {
     #[error("{path}: {source}")]
     Iges {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// Why.
         #[source]
         source: iges::IgesError,
@@ -56,19 +57,87 @@ enum Format {
 
 /// Reads a CAD file of any known format; its contents decide, not its name.
 pub fn import(path: &Path) -> Result<Model, ImportError> {
-    let bytes = std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
-    let unsupported =
-        |what: &str| Err(ImportError::Unsupported { path: path.to_owned(), what: what.to_owned() });
-    match sniff(&bytes) {
-        Format::Step => {
-            step::read(&bytes).map_err(|source| ImportError::Step { path: path.to_owned(), source })
+    Ok(Source::open(path)?.scan()?.map())
+}
+
+/// A file in memory.
+#[derive(Debug)]
+pub struct Source {
+    path: PathBuf,
+    size: usize,
+    /// In the encoding that its reader scans.
+    bytes: Vec<u8>,
+}
+
+/// A file whose statements or records are known, and none of which is decoded yet.
+pub enum Scanned<'a> {
+    /// STEP.
+    Step(step::Index<'a>),
+    /// IGES.
+    Iges(iges::Scanned<'a>),
+}
+
+impl Source {
+    /// Reads the file.
+    pub fn open(path: &Path) -> Result<Self, ImportError> {
+        let bytes =
+            std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
+        Ok(Self { path: path.to_owned(), size: bytes.len(), bytes: plain(bytes) })
+    }
+
+    /// The file's length in bytes.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Finds out the format and where everything is.
+    pub fn scan(&self) -> Result<Scanned<'_>, ImportError> {
+        let path = || self.path.clone();
+        let unsupported = |what: &str| Err(ImportError::Unsupported { path: path(), what: what.to_owned() });
+        match sniff(&self.bytes) {
+            Format::Step => step::scan(&self.bytes)
+                .map(Scanned::Step)
+                .map_err(|source| ImportError::Step { path: path(), source }),
+            Format::Iges => iges::scan(&self.bytes)
+                .map(Scanned::Iges)
+                .map_err(|source| ImportError::Iges { path: path(), source }),
+            Format::Gzip => unsupported("the file is compressed with gzip; unpack it first"),
+            Format::Zip => unsupported("the file is a zip archive; unpack it first"),
+            Format::Unknown => unsupported("neither STEP nor IGES: it begins as neither"),
         }
-        Format::Iges => {
-            iges::read(&bytes).map_err(|source| ImportError::Iges { path: path.to_owned(), source })
+    }
+}
+
+impl Scanned<'_> {
+    /// Decodes what the mapping would, on its own and once, and makes nothing of it; returns how many entities. For measurements: the
+    /// mapping decodes for itself, whatever it reaches.
+    pub fn decode(&self) -> usize {
+        match self {
+            Self::Step(index) => step::decode_shape(index),
+            Self::Iges(scanned) => iges::decode_all(scanned),
         }
-        Format::Gzip => unsupported("the file is compressed with gzip; unpack it first"),
-        Format::Zip => unsupported("the file is a zip archive; unpack it first"),
-        Format::Unknown => unsupported("neither STEP nor IGES: it begins as neither"),
+    }
+
+    /// Makes the model.
+    pub fn map(self) -> Model {
+        match self {
+            Self::Step(index) => step::map(index),
+            Self::Iges(scanned) => iges::map(scanned),
+        }
+    }
+}
+
+/// The file in the encoding that its reader scans; most files are that as they are.
+fn plain(bytes: Vec<u8>) -> Vec<u8> {
+    let plain = match sniff(&bytes) {
+        Format::Step => step::utf8(&bytes),
+        Format::Iges => iges::plain(&bytes),
+        _ => return bytes,
+    };
+    match plain {
+        Cow::Owned(plain) => plain,
+        Cow::Borrowed(rest) if rest.len() == bytes.len() => bytes,
+        Cow::Borrowed(rest) => rest.to_vec(),
     }
 }
 

@@ -15,7 +15,7 @@
 //! # The chain
 //!
 //! Imports go one way: `numeric ◀ geometry ◀ brep ◀ {step, iges} ◀ import`, `brep ◀ trimming`, `numeric ◀ scene ◀ cache`,
-//! `brep, trimming, scene ◀ bake`, `numeric ◀ image`, `scene, image ◀ render`, everything `◀ cli ◀ main`.
+//! `brep, trimming, scene ◀ bake`, `numeric ◀ image`, `scene, image ◀ render`, everything `◀ bench`, `cli` `◀ main`.
 //! `tests/architecture.rs` holds it.
 //!
 //! # Invariants
@@ -28,6 +28,7 @@
 //! * A cache file is validated before use: every count, index and bound.
 
 pub mod bake;
+pub mod bench;
 pub mod brep;
 pub mod cache;
 pub mod cli;

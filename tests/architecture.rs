@@ -17,7 +17,8 @@ const CHAIN: &[(&str, &[&str])] = &[
     ("bake", &["numeric", "geometry", "brep", "trimming", "scene"]),
     ("image", &["numeric"]),
     ("render", &["numeric", "scene", "image"]),
-    ("cli", &["numeric", "brep", "import", "bake", "scene", "cache", "image", "render"]),
+    ("bench", &["numeric", "brep", "import", "bake", "scene", "cache", "image", "render"]),
+    ("cli", &["numeric", "brep", "import", "bake", "scene", "cache", "image", "render", "bench"]),
 ];
 
 /// A word that only some rooms may use.

@@ -52,6 +52,7 @@ pub(super) fn bake_face(
     outline: &Outline,
     space: &PartSpace,
     distortion: f64,
+    max_leaves: usize,
 ) -> Result<BakedFace, String> {
     let mut trim = trim_tree::build(&outline.region)?;
     if trim.uniform() == Some(false) {
@@ -65,7 +66,8 @@ pub(super) fn bake_face(
             let Surface::Bspline(bspline) = surface else {
                 unreachable!("all other surfaces have analytic carriers");
             };
-            let (origin, nets) = nets::bake_nets(bspline, period, outline, &trim, space, distortion)?;
+            let (origin, nets) =
+                nets::bake_nets(bspline, period, outline, &trim, space, distortion, max_leaves)?;
             let frame = Frame { origin: origin + space.center, ..Frame::IDENTITY };
             let carrier = Carrier { kind: FaceKind::Nets, frame, radii: [0.0; 2], slide: DVec2::ZERO };
             (carrier, Some(nets))

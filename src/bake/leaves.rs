@@ -15,8 +15,11 @@ use std::collections::BinaryHeap;
 /// Halvings along one axis; leaf indices have 12 bits.
 const MAX_LEVEL: u8 = 12;
 
-/// Leaves of one net.
-const MAX_LEAVES: usize = 4096;
+/// Leaves of one net at most and, where a scene's nets are many, at least.
+const MOST_LEAVES: [usize; 2] = [16, 4096];
+
+/// Control points that the leaves of all nets may have together, each of its own patch: some seconds of work.
+const MOST_POINTS: usize = 1 << 28;
 
 /// Leaves smaller than this share of the face are not split: they are at poles.
 const MIN_SIZE: f64 = 1.0 / 4096.0;
@@ -97,12 +100,18 @@ impl Ord for Leaf {
     }
 }
 
+/// How many leaves each net may have in a scene whose nets have `points` control points together.
+pub(super) fn most_leaves(points: usize) -> usize {
+    (MOST_POINTS / points.max(1)).clamp(MOST_LEAVES[0], MOST_LEAVES[1])
+}
+
 /// The leaves of `patch` in order of their sub-domains, and whether any part of the net was left out.
 pub(super) fn leaves(
     patch: BezierPatch,
     domain: &Domain,
     trim: &Trim<'_>,
     distortion: f64,
+    max_leaves: usize,
     face_size: f64,
 ) -> (Vec<Leaf>, bool) {
     let mut splitting = BinaryHeap::new();
@@ -124,7 +133,7 @@ pub(super) fn leaves(
         } else {
             1 - leaf.fit.split_axis
         };
-        let is_full = splitting.len() + done.len() + 2 > MAX_LEAVES;
+        let is_full = splitting.len() + done.len() + 2 > max_leaves;
         if fits || is_full || leaf.level[axis] >= MAX_LEVEL {
             done.push(leaf);
             continue;

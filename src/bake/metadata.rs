@@ -1,11 +1,14 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{BodyKind, Diagnostic, Id, Model, Occurrence, Part, Severity};
+use crate::brep::{BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity};
 use crate::scene::{self, Finding, Metadata};
 
-/// Names, units, counts and diagnostics of the model; parts, faces and instances are the bake's to add.
-pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> Metadata {
-    let mut metadata = Metadata {
+/// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
+pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
+    let solids_of =
+        |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
+    let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();
+    Metadata {
         file_name: String::new(),
         format: model.source.format.clone(),
         schema: model.source.schema.clone(),
@@ -13,38 +16,38 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], cut: bool) -> 
         unit: model.source.unit.name.clone(),
         unit_millimetres: model.source.unit.millimetres,
         declared_faces: model.declared_faces as u64,
-        solids: occurrences
-            .iter()
-            .flat_map(|occurrence| &model.parts[occurrence.part].bodies)
-            .filter(|body| body.kind == BodyKind::Solid)
-            .count() as u64,
+        solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
         ..Metadata::default()
-    };
-    for diagnostic in &model.diagnostics {
-        report(&mut metadata, diagnostic.clone());
     }
-    if cut {
-        let reason = "the tree refers to itself or is too large; what exceeds it is left out";
-        report(&mut metadata, Diagnostic::new(Severity::Warning, 0, "PRODUCT", reason));
-    }
-    metadata
 }
 
-/// Appends a finding.
-pub(super) fn report(metadata: &mut Metadata, diagnostic: Diagnostic) {
-    let Diagnostic { severity, entity, kind, reason, faces } = diagnostic;
-    let severity = match severity {
-        Severity::Note => scene::Severity::Note,
-        Severity::Hidden => scene::Severity::Hidden,
-        Severity::Repaired => scene::Severity::Repaired,
-        Severity::Warning => scene::Severity::Warning,
-        Severity::Dropped => scene::Severity::Dropped,
+/// The model's findings, and that its tree was cut where it was.
+pub(super) fn findings(model: &Model, cut: bool) -> Diagnostics {
+    let mut findings = model.diagnostics.clone();
+    if cut {
+        let reason = "the tree refers to itself or is too large; what exceeds it is left out";
+        findings.push(Diagnostic::new(Severity::Warning, 0, "PRODUCT", reason));
+    }
+    findings
+}
+
+/// The findings as the scene keeps them.
+pub(super) fn records(findings: &Diagnostics) -> Vec<Finding> {
+    let record = |Diagnostic { severity, entity, kind, reason, faces }: Diagnostic| {
+        let severity = match severity {
+            Severity::Note => scene::Severity::Note,
+            Severity::Hidden => scene::Severity::Hidden,
+            Severity::Repaired => scene::Severity::Repaired,
+            Severity::Warning => scene::Severity::Warning,
+            Severity::Dropped => scene::Severity::Dropped,
+        };
+        Finding { severity, entity, kind, reason, faces }
     };
-    metadata.findings.push(Finding { severity, entity, kind, reason, faces });
+    findings.iter().cloned().map(record).collect()
 }
 
 /// Reports the parts whose faces are not in the scene because nothing places them; `placed` is sorted.
-pub(super) fn report_unplaced(metadata: &mut Metadata, model: &Model, placed: &[Id<Part>]) {
+pub(super) fn report_unplaced(findings: &mut Diagnostics, model: &Model, placed: &[Id<Part>]) {
     for id in model.parts.ids().filter(|id| placed.binary_search(id).is_err()) {
         let part = &model.parts[id];
         let faces = part.bodies.iter().map(|body| body.faces.len()).sum::<usize>() as u32;
@@ -53,10 +56,7 @@ pub(super) fn report_unplaced(metadata: &mut Metadata, model: &Model, placed: &[
             let severity = if is_hidden { Severity::Hidden } else { Severity::Dropped };
             let place = if is_hidden { "invisibly" } else { "nowhere" };
             let reason = format!("part '{}' is placed {place}", part.name);
-            report(
-                metadata,
-                Diagnostic { faces, ..Diagnostic::new(severity, part.entity, "PRODUCT", reason) },
-            );
+            findings.push(Diagnostic { faces, ..Diagnostic::new(severity, part.entity, "PRODUCT", reason) });
         }
     }
 }

@@ -29,13 +29,17 @@ use self::assemble::PartDraft;
 use self::faces::{BakedFace, PartSpace, bake_face};
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
-use crate::brep::{self, Diagnostic, Face, Id, Model, Occurrence, Severity, occurrences};
+use crate::brep::{self, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences};
+use crate::geometry::{Surface, patch_points};
 use crate::numeric::Aabb;
 use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
 use crate::trimming::TrimOptions;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Faces differ in cost by a factor of thousands: few to a task, so that no thread is left with a row of costly ones.
+const FACES_PER_TASK: usize = 4;
 
 /// How to bake.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +58,22 @@ impl Default for BakeOptions {
     }
 }
 
+/// A model whose faces are trimmed: between the two stages of the bake.
+pub struct Trimmed {
+    occurrences: Vec<Occurrence>,
+    /// Whether the product tree was cut short.
+    is_cut: bool,
+    /// The parts that stand somewhere, in order of their ids.
+    parts: Vec<Id<brep::Part>>,
+    drafts: Vec<Draft>,
+    /// Control points of the patches of all surfaces together.
+    patch_points: usize,
+}
+/// Control points that the patches of all faces may have together: this many times those of the model's surfaces, or the lesser
+/// number where a model is small. Faces that share one large surface and high degrees multiply them.
+const MOST_PATCH_POINTS: usize = 256;
+const FREE_PATCH_POINTS: usize = 1 << 24;
+
 /// A face on its way through the bake.
 struct Draft {
     /// Index into the parts that occur.
@@ -66,31 +86,66 @@ struct Draft {
 ///
 /// The result depends on the model and the options alone, not on threads. `progress` is told (done, total) faces, from any thread.
 pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> SceneBuffers {
-    let (occurrences, cut) = occurrences(model);
-    let mut scene =
-        SceneBuffers { metadata: metadata::of_model(model, &occurrences, cut), ..SceneBuffers::default() };
+    bake_trimmed(model, trim(model, options, progress), options)
+}
+
+/// The first stage: trims all faces that stand somewhere.
+pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Trimmed {
+    let (occurrences, is_cut) = occurrences(model);
     let parts = parts_that_occur(model, &occurrences);
-    let drafts = outlines(model, &parts, options, progress);
+    let (drafts, patch_points) = outlines(model, &parts, options, progress);
+    Trimmed { occurrences, is_cut, parts, drafts, patch_points }
+}
+
+/// The second stage: nets, leaves, trim trees, BVHs, instances.
+pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
+    let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
+    let metadata = metadata::of_model(model, &occurrences);
+    let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
+    let mut findings = metadata::findings(model, is_cut);
+    let max_leaves = leaves::most_leaves(patch_points);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
     scene.header = header;
 
     let baked: Vec<Option<Result<BakedFace, String>>> = drafts
         .par_iter()
+        .with_max_len(FACES_PER_TASK)
         .map(|draft| {
             let outline = draft.outline.as_ref().ok()?;
             let face = &model.faces[draft.id];
             let surface = &model.surfaces[face.surface];
-            Some(bake_face(surface, face, outline, &spaces[draft.part], options.distortion))
+            Some(bake_face(surface, face, outline, &spaces[draft.part], options.distortion, max_leaves))
         })
         .collect();
 
     let mut materials = MaterialTable::default();
-    let slots =
-        gather(model, &mut scene, &mut materials, &parts, &part_boxes, &spaces, drafts, baked, options);
-    add_instances(model, &mut scene, &mut materials, &parts, &occurrences, &slots, &spaces, options.keep_f64);
+    let slots = gather(
+        model,
+        &mut scene,
+        &mut findings,
+        &mut materials,
+        &parts,
+        &part_boxes,
+        &spaces,
+        drafts,
+        baked,
+        options,
+    );
+    add_instances(
+        model,
+        &mut scene,
+        &mut findings,
+        &mut materials,
+        &parts,
+        &occurrences,
+        &slots,
+        &spaces,
+        options.keep_f64,
+    );
+    metadata::report_unplaced(&mut findings, model, &parts);
+    scene.metadata.findings = metadata::records(&findings);
     scene.materials = materials.into_materials();
-    metadata::report_unplaced(&mut scene.metadata, model, &parts);
     scene
 }
 
@@ -103,13 +158,13 @@ fn parts_that_occur(model: &Model, occurrences: &[Occurrence]) -> Vec<Id<brep::P
     model.parts.ids().filter(|id| occurs[id.index()]).collect()
 }
 
-/// Trims all faces of all parts.
+/// Trims all faces of all parts; with the number of control points that their patches have together.
 fn outlines(
     model: &Model,
     parts: &[Id<brep::Part>],
     options: &BakeOptions,
     progress: &(dyn Fn(usize, usize) + Sync),
-) -> Vec<Draft> {
+) -> (Vec<Draft>, usize) {
     let faces: Vec<(usize, Id<Face>)> = parts
         .iter()
         .enumerate()
@@ -118,15 +173,38 @@ fn outlines(
             bodies.iter().flat_map(move |body| body.faces.iter().map(move |&face| (slot, face)))
         })
         .collect();
+    let control_points = model.surfaces.iter().map(|surface| match surface {
+        Surface::Bspline(bspline) => bspline.points.len(),
+        _ => 0,
+    });
+    let most = control_points.sum::<usize>().saturating_mul(MOST_PATCH_POINTS).max(FREE_PATCH_POINTS);
+    let mut total = 0;
+    let is_affordable: Vec<bool> = faces
+        .iter()
+        .map(|&(_, id)| {
+            let Surface::Bspline(bspline) = &model.surfaces[model.faces[id].surface] else { return true };
+            let points = patch_points(bspline);
+            let fits = points <= most - total;
+            total += if fits { points } else { 0 };
+            fits
+        })
+        .collect();
     let done = AtomicUsize::new(0);
-    faces
+    let drafts = faces
         .par_iter()
-        .map(|&(part, id)| {
-            let outline = outline(model, id, &options.trim);
+        .with_max_len(FACES_PER_TASK)
+        .zip(is_affordable)
+        .map(|(&(part, id), is_affordable)| {
+            let outline = if is_affordable {
+                outline(model, id, &options.trim)
+            } else {
+                Err("the patches of all surfaces have too many control points together".into())
+            };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, faces.len());
             Draft { part, id, outline }
         })
-        .collect()
+        .collect();
+    (drafts, total)
 }
 
 fn boxes_of_parts(drafts: &[Draft], parts: usize) -> Vec<Aabb> {
@@ -174,6 +252,7 @@ fn spaces(
 fn gather(
     model: &Model,
     scene: &mut SceneBuffers,
+    findings: &mut Diagnostics,
     materials: &mut MaterialTable,
     parts: &[Id<brep::Part>],
     part_boxes: &[Aabb],
@@ -191,8 +270,7 @@ fn gather(
             (Err(reason), _) | (_, Some(Err(reason))) => Some(reason),
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
-                    let finding = Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair);
-                    metadata::report(&mut scene.metadata, finding);
+                    findings.push(Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair));
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {
                     let own = part_boxes[slot];
@@ -213,7 +291,7 @@ fn gather(
         };
         if let Some(reason) = dropped {
             let finding = Diagnostic::dropped_face(face.entity, "ADVANCED_FACE", reason);
-            metadata::report(&mut scene.metadata, finding);
+            findings.push(finding);
         }
     }
     // The BVH over instances comes first in the arrays; its nodes are moved there once they are known.
@@ -222,7 +300,7 @@ fn gather(
             let mut finding =
                 Diagnostic::new(Severity::Dropped, scene.metadata.parts[index].entity, "PRODUCT", reason);
             finding.faces = scene.faces.iter().filter(|face| face.part as usize == index).count() as u32;
-            metadata::report(&mut scene.metadata, finding);
+            findings.push(finding);
         }
     }
     slots
@@ -232,6 +310,7 @@ fn gather(
 fn add_instances(
     model: &Model,
     scene: &mut SceneBuffers,
+    findings: &mut Diagnostics,
     materials: &mut MaterialTable,
     parts: &[Id<brep::Part>],
     occurrences: &[Occurrence],
@@ -258,12 +337,12 @@ fn add_instances(
                 let entity = model.parts[occurrence.part].entity;
                 let reason = format!("{}: {reason}", occurrence.path);
                 let finding = Diagnostic::new(Severity::Dropped, entity, "PRODUCT", reason);
-                metadata::report(&mut scene.metadata, finding);
+                findings.push(finding);
             }
         }
     }
     let top = bvh::build(&boxes).unwrap_or_else(|reason| {
-        metadata::report(&mut scene.metadata, Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason));
+        findings.push(Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason));
         bvh::Tree::default()
     });
     scene.header.node_count = top.nodes.len() as u32;

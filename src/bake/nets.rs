@@ -40,6 +40,7 @@ pub(super) fn bake_nets(
     tree: &TrimTree,
     space: &PartSpace,
     distortion: f64,
+    max_leaves: usize,
 ) -> Result<(DVec3, Nets), String> {
     if surface.u_knots.degree().max(surface.v_knots.degree()) > MAX_DEGREE {
         return Err("its degree is above 25".into());
@@ -62,7 +63,7 @@ pub(super) fn bake_nets(
         }
         let points = patch.points.clone();
         let degrees = patch.degrees;
-        let (found, left_out) = leaves::leaves(patch, &domain, &trim, distortion, face_size);
+        let (found, left_out) = leaves::leaves(patch, &domain, &trim, distortion, max_leaves, face_size);
         nets.is_mixed |= left_out;
         if found.is_empty() {
             continue;

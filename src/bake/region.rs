@@ -4,6 +4,8 @@
 //! pieces of a region always form closed chains bit for bit, and parities found by counting shared vertices cannot disagree.
 
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2};
+use crate::numeric::bernstein::{Coefficients, eval_with_derivative};
+use crate::numeric::roots::bracketed_root;
 use crate::trimming::FaceTrim;
 use glam::DVec2;
 
@@ -16,8 +18,8 @@ const STRAIGHT: f64 = 2.5e-8;
 /// The highest degree that kernels evaluate.
 const MAX_DEGREE: usize = 25;
 
-/// Halvings that exhaust the bits of an f64 parameter.
-const BISECTIONS: usize = 56;
+/// Curve parameters in [0, 1] are found this closely: a few roundings.
+const PARAMETER_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// A piece of a curve, monotone in u and in v.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,17 +123,7 @@ impl Region {
             }
             Some(curve) => {
                 let curve = &self.curves[curve as usize];
-                let [mut before, mut after] = piece.t;
-                for _ in 0..BISECTIONS {
-                    let middle = 0.5 * (before + after);
-                    let at = curve.eval(middle).point()[axis];
-                    if (at < target) == (from < to) {
-                        before = middle;
-                    } else {
-                        after = middle;
-                    }
-                }
-                let t = 0.5 * (before + after);
+                let t = parameter_at(&curve.points, axis, target, piece.t, from < to);
                 (t, curve.eval(t).point()[other])
             }
         };
@@ -179,9 +171,32 @@ impl Region {
         } else {
             ([high[0], high[1]], [low[0], low[1]])
         };
-        let all_left = self.solve(piece, 1, left_test[1]).1 > left_test[0];
-        let all_right = self.solve(piece, 1, right_test[1]).1 < right_test[0];
-        !(all_left || all_right)
+        let all_left = || self.solve(piece, 1, left_test[1]).1 > left_test[0];
+        let all_right = || self.solve(piece, 1, right_test[1]).1 < right_test[0];
+        !(all_left() || all_right())
+    }
+}
+
+/// Where a curve that is monotone along `axis` between the parameters `range` reaches the coordinate `target`; an end of the range where
+/// all of it lies on one side. `rises`: whether the coordinate grows from `range[0]` to `range[1]`.
+pub(super) fn parameter_at(
+    points: &[Homogeneous2],
+    axis: usize,
+    target: f64,
+    range: [f64; 2],
+    rises: bool,
+) -> f64 {
+    // Weights are positive, so X − target · W has the sign of X / W − target.
+    let off: Coefficients = points.iter().map(|p| p[axis] - target * p.z).collect();
+    let is_before = |t: f64| (eval_with_derivative(&off, t).0 < 0.0) == rises;
+    let [from, to] = range;
+    if !is_before(from) {
+        from
+    } else if is_before(to) {
+        to
+    } else {
+        let bracket = [from.min(to), from.max(to)];
+        bracketed_root(|t| eval_with_derivative(&off, t), bracket, PARAMETER_TOLERANCE)
     }
 }
 

@@ -231,18 +231,17 @@ fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2
         Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
     };
     let weight = scalar(&|_, w| w);
+    let least = weight.least();
     let axes = [0, 1, 2].map(|k| scalar(&|x, _| dual.row(k).dot(x)));
+    let square = is_rational.then(|| weight.times(&weight));
+    let weight_slopes = [0, 1].map(|along| weight.derivative(along));
     // max |∂x − target| for each coordinate and parameter.
     let deviation = |x: &Tensor, along: usize, target: f64| {
-        if !is_rational {
-            let constant = Tensor::new([0, 0], vec![target * weight.least()]);
-            return x.derivative(along).minus(&constant).greatest() / weight.least();
-        }
-        let square = weight.times(&weight);
-        let numerator = x.derivative(along).times(&weight).minus(&x.times(&weight.derivative(along)));
-        let wanted = square.times(&Tensor::new([0, 0], vec![target]));
-        let least = weight.least();
-        numerator.minus(&wanted).greatest() / (least * least)
+        let slope = x.derivative(along);
+        let Some(square) = &square else { return slope.farthest_from(target * least) / least };
+        let numerator = slope.times(&weight).minus(&x.times(&weight_slopes[along]));
+        let off = if target == 0.0 { numerator } else { numerator.minus(&square.clone().scaled_by(target)) };
+        off.farthest_from(0.0) / (least * least)
     };
     let e_alpha = deviation(&axes[0], 0, 1.0) + deviation(&axes[0], 1, 0.0);
     let e_beta = deviation(&axes[1], 0, 0.0) + deviation(&axes[1], 1, 1.0);
@@ -262,15 +261,17 @@ fn second_derivatives(patch: &BezierPatch, middle: DVec3, weight: &Tensor) -> f6
         let of = |p: &glam::DVec4| (p.truncate() - middle * p.w)[k];
         Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
     });
-    let norm = |f: &dyn Fn(&Tensor) -> f64| axes.iter().map(|x| f(x).powi(2)).sum::<f64>().sqrt();
     let least = weight.least();
     let radius = patch.points.iter().map(|p| p.point().distance(middle)).fold(0.0, f64::max);
-    let w_first = [0, 1].map(|along| weight.derivative(along).greatest());
-    let first =
-        [0, 1].map(|along| (norm(&|x| x.derivative(along).greatest()) + w_first[along] * radius) / least);
+    let slopes_of = |x: &Tensor| [0, 1].map(|along| x.derivative(along));
+    let (slopes, w_slopes) = (axes.each_ref().map(slopes_of), slopes_of(weight));
+    let greatest = |x: &Tensor| x.farthest_from(0.0);
+    let norm = |f: &dyn Fn(&[Tensor; 2]) -> f64| slopes.iter().map(|x| f(x).powi(2)).sum::<f64>().sqrt();
+    let w_first = [0, 1].map(|along| greatest(&w_slopes[along]));
+    let first = [0, 1].map(|along| (norm(&|x| greatest(&x[along])) + w_first[along] * radius) / least);
     let second = |a: usize, b: usize| {
-        let x_ab = norm(&|x| x.derivative(a).derivative(b).greatest());
-        let w_ab = weight.derivative(a).derivative(b).greatest();
+        let x_ab = norm(&|x| greatest(&x[a].derivative(b)));
+        let w_ab = greatest(&w_slopes[a].derivative(b));
         (x_ab + w_first[a] * first[b] + w_first[b] * first[a] + w_ab * radius) / least
     };
     second(0, 0) + 2.0 * second(0, 1) + second(1, 1)

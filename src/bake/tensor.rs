@@ -1,98 +1,119 @@
-//! Scalar polynomials on [0, 1]² in Bernstein form: products, differences and ranges, for bounds of rational derivatives.
+//! Scalar polynomials on [0, 1]² in scaled Bernstein form: products, differences and ranges, for bounds of rational derivatives.
+//!
+//! Coefficients carry their binomials, `C(p, i) C(q, j) c_ij`: a product is then a plain convolution (Farouki & Rajan 1988; Sánchez-Reyes 2003), and
+//! a derivative takes whole numbers only. Bounds are those of `c_ij`: a polynomial stays between its least and its greatest Bernstein coefficient.
 
-/// Degrees and coefficients, v running fastest.
+/// Degrees and scaled coefficients, v running fastest.
 #[derive(Debug, Clone)]
 pub(super) struct Tensor {
     degrees: [usize; 2],
-    coefficients: Vec<f64>,
+    scaled: Vec<f64>,
 }
 
 impl Tensor {
-    /// From coefficients, v running fastest.
-    pub(super) fn new(degrees: [usize; 2], coefficients: Vec<f64>) -> Self {
+    /// From Bernstein coefficients, v running fastest.
+    pub(super) fn new(degrees: [usize; 2], mut coefficients: Vec<f64>) -> Self {
         debug_assert_eq!(coefficients.len(), (degrees[0] + 1) * (degrees[1] + 1));
-        Self { degrees, coefficients }
-    }
-
-    /// The constant 1, with the given degrees.
-    fn one(degrees: [usize; 2]) -> Self {
-        Self::new(degrees, vec![1.0; (degrees[0] + 1) * (degrees[1] + 1)])
-    }
-
-    fn at(&self, i: usize, j: usize) -> f64 {
-        self.coefficients[i * (self.degrees[1] + 1) + j]
+        scale_rows(degrees, &mut coefficients, |c, binomial| *c *= binomial);
+        Self { degrees, scaled: coefficients }
     }
 
     /// The partial derivative along an axis; the zero constant where it does not depend on it.
+    ///
+    /// `p C(p−1, i) (c_{i+1} − c_i)` is `(i + 1) s_{i+1} − (p − i) s_i` in the scaled coefficients s.
     pub(super) fn derivative(&self, axis: usize) -> Self {
         let degree = self.degrees[axis];
         if degree == 0 {
-            return Self::new(self.degrees, vec![0.0; self.coefficients.len()]);
+            return Self { degrees: self.degrees, scaled: vec![0.0; self.scaled.len()] };
         }
         let mut degrees = self.degrees;
         degrees[axis] -= 1;
-        let step = [1 - axis, axis];
-        let difference = |i: usize, j: usize| self.at(i + step[0], j + step[1]) - self.at(i, j);
-        let coefficients = (0..=degrees[0])
-            .flat_map(|i| (0..=degrees[1]).map(move |j| (i, j)))
-            .map(|(i, j)| degree as f64 * difference(i, j))
-            .collect();
-        Self::new(degrees, coefficients)
+        let width = self.degrees[1] + 1;
+        let step = if axis == 0 { width } else { 1 };
+        let mut scaled = Vec::with_capacity((degrees[0] + 1) * (degrees[1] + 1));
+        for i in 0..=degrees[0] {
+            for j in 0..=degrees[1] {
+                let (at, k) = (i * width + j, if axis == 0 { i } else { j });
+                scaled.push((k + 1) as f64 * self.scaled[at + step] - (degree - k) as f64 * self.scaled[at]);
+            }
+        }
+        Self { degrees, scaled }
     }
 
     /// The product; degrees add up.
     pub(super) fn times(&self, other: &Self) -> Self {
         let [p, q] = self.degrees;
         let [r, s] = other.degrees;
-        let [across, down] = [product_weights(p, r), product_weights(q, s)];
-        let mut out = vec![0.0; (p + r + 1) * (q + s + 1)];
+        let width = q + s + 1;
+        let mut scaled = vec![0.0; (p + r + 1) * width];
         for i in 0..=p {
             for k in 0..=r {
+                let theirs = &other.scaled[k * (s + 1)..(k + 1) * (s + 1)];
                 for j in 0..=q {
-                    let scaled = self.at(i, j) * across[i * (r + 1) + k];
-                    for l in 0..=s {
-                        out[(i + k) * (q + s + 1) + j + l] += scaled * other.at(k, l) * down[j * (s + 1) + l];
+                    let mine = self.scaled[i * (q + 1) + j];
+                    let start = (i + k) * width + j;
+                    for (sum, theirs) in scaled[start..=start + s].iter_mut().zip(theirs) {
+                        *sum += mine * theirs;
                     }
                 }
             }
         }
-        Self::new([p + r, q + s], out)
+        Self { degrees: [p + r, q + s], scaled }
     }
 
     /// The difference, after raising both to the greater degrees.
     pub(super) fn minus(&self, other: &Self) -> Self {
         let degrees = [0, 1].map(|k| self.degrees[k].max(other.degrees[k]));
-        let (a, b) = (self.raised(degrees), other.raised(degrees));
-        let coefficients = a.coefficients.iter().zip(&b.coefficients).map(|(x, y)| x - y).collect();
-        Self::new(degrees, coefficients)
+        let (mut difference, other) = (self.raised(degrees), other.raised(degrees));
+        for (mine, theirs) in difference.scaled.iter_mut().zip(&other.scaled) {
+            *mine -= theirs;
+        }
+        difference
+    }
+
+    /// Multiplied by a number.
+    pub(super) fn scaled_by(mut self, factor: f64) -> Self {
+        self.scaled.iter_mut().for_each(|c| *c *= factor);
+        self
     }
 
     fn raised(&self, degrees: [usize; 2]) -> Self {
-        self.times(&Self::one([0, 1].map(|k| degrees[k] - self.degrees[k])))
+        if degrees == self.degrees {
+            return self.clone();
+        }
+        let by = [0, 1].map(|k| degrees[k] - self.degrees[k]);
+        self.times(&Self::new(by, vec![1.0; (by[0] + 1) * (by[1] + 1)]))
     }
 
-    /// A number that the absolute value never exceeds on [0, 1]².
-    pub(super) fn greatest(&self) -> f64 {
-        self.coefficients.iter().fold(0.0, |most, c| most.max(c.abs()))
+    /// A number that the distance of the value from `center` never exceeds on [0, 1]².
+    pub(super) fn farthest_from(&self, center: f64) -> f64 {
+        self.coefficients().into_iter().fold(0.0, |most, c| most.max((c - center).abs()))
     }
 
     /// A number that the value never falls below on [0, 1]².
     pub(super) fn least(&self) -> f64 {
-        self.coefficients.iter().fold(f64::INFINITY, |least, &c| least.min(c))
+        self.coefficients().into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        let mut coefficients = self.scaled.clone();
+        scale_rows(self.degrees, &mut coefficients, |c, binomial| *c /= binomial);
+        coefficients
     }
 }
 
-/// `C(m, i) C(n, k) / C(m + n, i + k)` at `i · (n + 1) + k`: the weights of a product in Bernstein form.
-fn product_weights(m: usize, n: usize) -> Vec<f64> {
-    let row = |degree: usize| {
-        let mut row = vec![1.0; degree + 1];
-        for i in 1..=degree {
-            row[i] = row[i - 1] * (degree - i + 1) as f64 / i as f64;
+/// Calls `apply` for each coefficient with its binomial `C(p, i) C(q, j)`.
+fn scale_rows(degrees: [usize; 2], coefficients: &mut [f64], apply: impl Fn(&mut f64, f64)) {
+    // From each binomial follows the next; all are whole numbers below 2⁵³ up to degree 56.
+    let mut across = 1.0;
+    for (i, row) in coefficients.chunks_exact_mut(degrees[1] + 1).enumerate() {
+        let mut along = 1.0;
+        for (j, c) in row.iter_mut().enumerate() {
+            apply(c, across * along);
+            along = along * (degrees[1] - j) as f64 / (j + 1) as f64;
         }
-        row
-    };
-    let (a, b, sum) = (row(m), row(n), row(m + n));
-    (0..=m).flat_map(|i| (0..=n).map(move |k| (i, k))).map(|(i, k)| a[i] * b[k] / sum[i + k]).collect()
+        across = across * (degrees[0] - i) as f64 / (i + 1) as f64;
+    }
 }
 
 #[cfg(test)]
@@ -100,15 +121,10 @@ mod tests {
     use super::*;
 
     fn eval(t: &Tensor, u: f64, v: f64) -> f64 {
-        let basis = |n: usize, x: f64| -> Vec<f64> {
-            let weights = product_weights(0, n);
-            let binomial = |i: usize| (0..i).fold(1.0, |c, k| c * (n - k) as f64 / (k + 1) as f64);
-            (0..=n)
-                .map(|i| weights[i] * binomial(i) * x.powi(i as i32) * (1.0 - x).powi((n - i) as i32))
-                .collect()
-        };
-        let (a, b) = (basis(t.degrees[0], u), basis(t.degrees[1], v));
-        (0..a.len()).map(|i| (0..b.len()).map(|j| a[i] * b[j] * t.at(i, j)).sum::<f64>()).sum()
+        let [p, q] = t.degrees;
+        let power = |n: usize, i: usize, x: f64| x.powi(i as i32) * (1.0 - x).powi((n - i) as i32);
+        let term = |i: usize, j: usize| t.scaled[i * (q + 1) + j] * power(p, i, u) * power(q, j, v);
+        (0..=p).flat_map(|i| (0..=q).map(move |j| (i, j))).map(|(i, j)| term(i, j)).sum()
     }
 
     #[test]
@@ -121,10 +137,23 @@ mod tests {
             let (x, y) = (eval(&a, u, v), eval(&b, u, v));
             assert!((eval(&a.times(&b), u, v) - x * y).abs() < 1e-12);
             assert!((eval(&a.minus(&b), u, v) - (x - y)).abs() < 1e-12);
-            assert!(a.greatest() >= x.abs() && a.least() <= x);
+            assert!((eval(&a.clone().scaled_by(3.0), u, v) - 3.0 * x).abs() < 1e-12);
+            assert!(a.farthest_from(0.2) >= (x - 0.2).abs() && a.least() <= x);
             let h = 1e-6;
-            let slope = (eval(&b, u, v + h) - eval(&b, u, v - h)) / (2.0 * h);
-            assert!((eval(&b.derivative(1), u, v) - slope).abs() < 1e-7);
+            let slopes = [
+                (eval(&b, u + h, v) - eval(&b, u - h, v)) / (2.0 * h),
+                (eval(&b, u, v + h) - eval(&b, u, v - h)) / (2.0 * h),
+            ];
+            for (axis, slope) in slopes.into_iter().enumerate() {
+                assert!((eval(&b.derivative(axis), u, v) - slope).abs() < 1e-7);
+            }
         }
+    }
+
+    #[test]
+    fn bounds_are_those_of_bernstein_coefficients() {
+        let t = Tensor::new([2, 1], vec![0.0, 1.0, -3.0, 2.0, 5.0, 0.5]);
+        assert_eq!(t.least(), -3.0);
+        assert_eq!(t.farthest_from(1.0), 4.0);
     }
 }

@@ -1,5 +1,6 @@
 //! Whether a point is inside a trim tree: the query of the kernels, in f64 arithmetic over the tree's f32 numbers.
 
+use super::region::parameter_at;
 use super::trim_tree::{MAX_DEPTH, TrimTree};
 use crate::geometry::{Homogeneous, Homogeneous2};
 use crate::scene::TrimSegment;
@@ -62,12 +63,9 @@ fn crosses(segment: &TrimSegment, points: &[Homogeneous2], point: [f32; 2]) -> b
     }
     let first = segment.curve as usize;
     let control = &points[first..=first + degree];
-    let (mut below, mut above) = (f64::from(segment.t_low), f64::from(segment.t_high));
-    for _ in 0..60 {
-        let middle = 0.5 * (below + above);
-        if de_casteljau(control, middle).y < v { below = middle } else { above = middle }
-    }
-    de_casteljau(control, 0.5 * (below + above)).x <= u
+    let range = [f64::from(segment.t_low), f64::from(segment.t_high)];
+    let t = parameter_at(control, 1, v, range, true);
+    de_casteljau(control, t).x <= u
 }
 
 fn de_casteljau(control: &[Homogeneous2], t: f64) -> glam::DVec2 {

@@ -16,6 +16,7 @@ use super::region::{Piece, Region};
 use crate::geometry::Homogeneous2;
 use crate::scene::TrimSegment;
 use crate::scene::trim_node::{self, PLANE_STEPS, TrimNode, child_range, split_position};
+use smallvec::SmallVec;
 
 /// Levels of a tree.
 pub(super) const MAX_DEPTH: usize = 24;
@@ -214,8 +215,8 @@ fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
     let count = pieces.len() as f32;
     let mut best: Option<(f32, usize, u32, f32)> = None;
     for axis in 0..2 {
-        let mut least: Vec<f32> = pieces.iter().map(|piece| piece.range(axis)[0]).collect();
-        let mut greatest: Vec<f32> = pieces.iter().map(|piece| piece.range(axis)[1]).collect();
+        let mut least: Coordinates = pieces.iter().map(|piece| piece.range(axis)[0]).collect();
+        let mut greatest: Coordinates = pieces.iter().map(|piece| piece.range(axis)[1]).collect();
         least.sort_unstable_by(f32::total_cmp);
         greatest.sort_unstable_by(f32::total_cmp);
         for plane in candidates(cell, axis, &least, &greatest) {
@@ -240,21 +241,19 @@ fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
     None
 }
 
+/// Coordinates of piece ends, mostly few.
+type Coordinates = SmallVec<[f32; FEW_PIECES]>;
+
 /// Planes to try: beside the ends of few pieces, evenly spaced for many.
-fn candidates(cell: &Cell, axis: usize, least: &[f32], greatest: &[f32]) -> Vec<u32> {
+fn candidates(cell: &Cell, axis: usize, least: &[f32], greatest: &[f32]) -> SmallVec<[u32; 64]> {
     if least.len() > FEW_PIECES {
         return (1..EVEN_CANDIDATES).map(|i| i * (PLANE_STEPS / EVEN_CANDIDATES)).collect();
     }
-    let mut planes: Vec<u32> = least
-        .iter()
-        .chain(greatest)
-        .flat_map(|end| {
-            let step = ((end - cell.low[axis]) / cell.size[axis] * PLANE_STEPS as f32).floor() as u32;
-            [step, step + 1]
-        })
-        .filter(|&plane| plane > 0 && plane < PLANE_STEPS)
-        .collect();
-    planes.push(PLANE_STEPS / 2);
+    let mut planes = SmallVec::from_slice(&[PLANE_STEPS / 2]);
+    for end in least.iter().chain(greatest) {
+        let step = ((end - cell.low[axis]) / cell.size[axis] * PLANE_STEPS as f32).floor() as u32;
+        planes.extend([step, step + 1].into_iter().filter(|&plane| plane > 0 && plane < PLANE_STEPS));
+    }
     planes.sort_unstable();
     planes.dedup();
     planes

@@ -20,11 +20,11 @@ pub struct Occurrence {
 const MAX_DEPTH: usize = 128;
 
 /// A model may not place more parts than this.
-const MAX_OCCURRENCES: usize = 4_000_000;
+const MAX_OCCURRENCES: usize = 1_000_000;
 
 /// Nor may the walk take more memory for paths than this, with [`STEP_COST`] for each step: shared subtrees without any body can
 /// make it exponential, and so can long names.
-const MAX_WALK: usize = 1 << 30;
+const MAX_WALK: usize = 1 << 28;
 const STEP_COST: usize = 64;
 
 /// All occurrences of parts with bodies, in tree order.

@@ -8,10 +8,11 @@ mod assembly;
 mod diagnostic;
 mod id;
 mod model;
+pub mod primitive;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
-pub use diagnostic::{Diagnostic, Severity};
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use id::{Arena, Id};
 pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,

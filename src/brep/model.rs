@@ -1,6 +1,6 @@
 //! The types of the model: parts, bodies, faces, loops, edges, vertices.
 
-use super::{Arena, Color, Diagnostic, Id};
+use super::{Arena, Color, Diagnostics, Id};
 use crate::geometry::{Curve, Curve2, Surface};
 use glam::{DAffine3, DVec3};
 
@@ -27,7 +27,7 @@ pub struct Model {
     /// Faces that the file declares, imported or not.
     pub declared_faces: usize,
     /// What was repaired, not understood or dropped, with the reason.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Diagnostics,
 }
 
 /// Where a model comes from, for people.

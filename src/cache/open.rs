@@ -6,7 +6,7 @@ use super::format::{
 use super::{CacheError, Provenance};
 use crate::scene::{Header, Metadata, Scene, validate};
 use bytemuck::Pod;
-use memmap2::Mmap;
+use memmap2::{Mmap, MmapMut};
 use std::ops::Range;
 use std::path::Path;
 
@@ -34,6 +34,18 @@ impl CacheFile {
         // foreign writer that does can make reads fail, as with any map, but all indices were copied or checked on the same bytes.
         let map = unsafe { Mmap::map(&file) }.map_err(failed)?;
         Self::from_map(map).map_err(|(at, reason)| CacheError::Invalid { path: path.to_owned(), at, reason })
+    }
+
+    /// Validates the bytes of a cache file that is no file, on a copy of them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CacheError> {
+        let path = || "memory".into();
+        let copy = || {
+            let mut map = MmapMut::map_anon(bytes.len().max(1))?;
+            map[..bytes.len()].copy_from_slice(bytes);
+            map.make_read_only()
+        };
+        let map = copy().map_err(|source| CacheError::Io { path: path(), source })?;
+        Self::from_map(map).map_err(|(at, reason)| CacheError::Invalid { path: path(), at, reason })
     }
 
     fn from_map(map: Mmap) -> Result<Self, Flaw> {

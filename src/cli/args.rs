@@ -34,6 +34,7 @@ pub(super) enum Command {
     Bake(Bake),
     Info(Info),
     Probe(Probe),
+    Bench(Bench),
 }
 
 /// Flags of every command.
@@ -190,6 +191,39 @@ pub(super) struct Probe {
     /// What computes; auto is the CPU for f64.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
+}
+
+/// Measures how fast trimray is on this machine.
+#[derive(Debug, Args)]
+pub(super) struct Bench {
+    #[command(subcommand)]
+    pub(super) command: BenchCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum BenchCommand {
+    Stages(BenchStages),
+}
+
+/// Times of each stage from a file to a baked scene: the least of all repetitions.
+///
+/// `decode` is the decoding of all entities that shape refers to, each once, on one thread, measured on its own; the mapping decodes
+/// what it reaches by itself, so `map` includes that work and the sums leave `decode` out.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench stages part.step
+  trimray bench stages *.step --json --repeat 5 > stages.jsonl")]
+pub(super) struct BenchStages {
+    /// STEP or IGES files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// How often to import and bake each.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) repeat: u16,
+    /// One JSON object a line, times in seconds.
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

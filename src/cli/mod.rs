@@ -5,6 +5,7 @@
 
 mod args;
 mod bake;
+mod bench;
 mod device;
 mod info;
 mod load;
@@ -56,6 +57,7 @@ pub fn main() -> ExitCode {
         Command::Bake(command) => bake::run(command, &arguments.general),
         Command::Info(command) => info::run(command, &arguments.general),
         Command::Probe(command) => probe::run(command, &arguments.general),
+        Command::Bench(command) => bench::run(command),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

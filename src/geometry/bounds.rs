@@ -6,7 +6,7 @@
 
 use super::bezier::{BezierPatch, Homogeneous};
 use super::bspline::BsplineSurface;
-use super::decompose::decompose_surface;
+use super::decompose::{decompose_surface, patch_points};
 use super::frame::Frame;
 use super::surface::{ParameterBox, Surface};
 use crate::numeric::Aabb;
@@ -19,6 +19,8 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 const SLACK: f64 = 0.01;
 /// Cuts of one surface; what is left then is bounded by its control points.
 const MAX_CUTS: usize = 2000;
+/// Pieces whose patches have more control points than this are bounded by their own.
+const MAX_PATCH_POINTS: usize = 1 << 22;
 
 /// A box around the piece of `surface` over `range`; unlimited where the range is.
 pub(super) fn surface_bounds(surface: &Surface, range: ParameterBox) -> Aabb {
@@ -149,11 +151,10 @@ fn piece_bounds(surface: &BsplineSurface, u: [f64; 2], v: [f64; 2]) -> Aabb {
         grown.min.cmple(hull.min).all() && hull.max.cmple(grown.max).all()
     };
     let whole = around(&piece.points);
-    if fits(whole, inner) {
+    if fits(whole, inner) || patch_points(&piece) > MAX_PATCH_POINTS {
         return whole;
     }
-    let mut patches: Vec<BezierPatch> =
-        decompose_surface(&piece).into_iter().map(|span| span.patch).collect();
+    let mut patches: Vec<BezierPatch> = decompose_surface(&piece).map(|span| span.patch).collect();
     let corners = |patch: &BezierPatch| {
         let [p, q] = patch.degrees;
         Aabb::around([(0, 0), (p, 0), (0, q), (p, q)].map(|(i, j)| Homogeneous::point(patch.point(i, j))))

@@ -10,8 +10,8 @@ use super::knots::KnotVector;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-const DEGREE: usize = 6;
-const WIDTH: usize = DEGREE + 1;
+pub(super) const DEGREE: usize = 6;
+pub(super) const WIDTH: usize = DEGREE + 1;
 /// A cell has 49 control points of 32 bytes: at most 6 MB a surface.
 const MAX_CELLS: usize = 4096;
 
@@ -122,7 +122,7 @@ fn fit_cells(
     deviation.is_finite().then_some((Fit { surface, deviation }, errors))
 }
 
-fn knots_of(breaks: &[f64]) -> Vec<f64> {
+pub(super) fn knots_of(breaks: &[f64]) -> Vec<f64> {
     let last = breaks.len() - 1;
     let times = |i: usize| if i == 0 || i == last { DEGREE + 1 } else { DEGREE };
     breaks.iter().enumerate().flat_map(|(i, knot)| std::iter::repeat_n(*knot, times(i))).collect()
@@ -134,15 +134,15 @@ pub fn breaks_of(knots: &KnotVector) -> Vec<f64> {
     [first].into_iter().chain(knots.inner_knots().map(|(knot, _)| knot)).chain([last]).collect()
 }
 
-struct Interpolation {
+pub(super) struct Interpolation {
     /// Chebyshev–Lobatto points of [0, 1].
-    nodes: [f64; WIDTH],
+    pub(super) nodes: [f64; WIDTH],
     /// From values at the nodes to Bézier points: the inverse of the Bernstein polynomials there.
     inverse: [[f64; WIDTH]; WIDTH],
 }
 
 impl Interpolation {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         const BINOMIALS: [f64; WIDTH] = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
         let nodes: [f64; WIDTH] = std::array::from_fn(|i| 0.5 - 0.5 * (PI * i as f64 / DEGREE as f64).cos());
         let bernstein = |t: f64| -> [f64; WIDTH] {
@@ -175,7 +175,7 @@ impl Interpolation {
         std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
     }
 
-    fn row(&self, values: [DVec3; WIDTH]) -> [DVec3; WIDTH] {
+    pub(super) fn row(&self, values: [DVec3; WIDTH]) -> [DVec3; WIDTH] {
         let mut points: [DVec3; WIDTH] = std::array::from_fn(|i| {
             values.iter().zip(self.inverse[i]).map(|(value, share)| *value * share).sum()
         });

@@ -1,135 +1,56 @@
-//! What stands where: subfigures (308) and their instances (408), groups (402), and everything that stands alone.
+//! What stands where: subfigures (308, 320) and their instances (408, 420), arrays (412, 414), assemblies (184) and instances
+//! (430) of solids, groups (402), and everything that stands alone.
 //!
-//! The whole file is one part; a subfigure definition is another one. Solids with a matrix of their own become placed
-//! parts too.
+//! The whole file is one part; a subfigure definition is another one, and so is a group that has a name, and whatever an
+//! instance refers to. Solids with a matrix of their own become placed parts too.
 
-use super::directory::{Mapped, Problem};
+use super::array;
+use super::catalog::{self, Catalog, PLACING, PRIMITIVES, is_group};
+use super::directory::{Mapped, Parameters, Problem};
 use super::placement;
 use super::reader::Reader;
 use super::solid::solid_shells;
 use super::style;
-use super::surface::BOUNDED_KINDS;
-use crate::brep::{Body, BodyKind, Child, Face, Id, Part, Severity};
+use crate::brep::{Body, BodyKind, Child, Color, Face, Id, Part, Severity};
 use glam::{DAffine3, DVec3};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
-/// Subfigures and groups may not be nested deeper than this; deeper ones are cyclic or hostile.
+/// Subfigures, groups and instances may not be nested deeper than this; deeper ones are cyclic or hostile.
 const MAX_DEPTH: usize = 64;
-
-/// Entity types that hold shape which is not understood.
-const UNSUPPORTED: [(u32, &str); 20] = [
-    (140, "offset surfaces"),
-    (150, "CSG blocks"),
-    (152, "CSG wedges"),
-    (154, "CSG cylinders"),
-    (156, "CSG cones"),
-    (158, "CSG spheres"),
-    (160, "CSG tori"),
-    (162, "CSG solids of revolution"),
-    (164, "CSG solids of linear extrusion"),
-    (168, "CSG ellipsoids"),
-    (180, "boolean trees"),
-    (182, "selected components"),
-    (184, "solid assemblies"),
-    (412, "rectangular arrays of subfigures"),
-    (414, "circular arrays of subfigures"),
-    (416, "external references"),
-    (420, "network subfigures"),
-    (430, "solid instances"),
-    (134, "finite element nodes"),
-    (136, "finite elements"),
-];
-
-/// Entities by what they are for.
-#[derive(Debug, Default)]
-pub struct Catalog {
-    /// Solids, shells, faces, surfaces that stand alone, and instances, in file order.
-    pub shapes: Vec<u32>,
-    /// Faces: all 144, 143, 510 and bare surfaces.
-    pub faces: Vec<u32>,
-    definitions: Vec<u32>,
-}
-
-/// Looks through the directory once, and through the parameters of what uses surfaces.
-pub fn catalog(reader: &mut Reader) -> Catalog {
-    let mut catalog = Catalog::default();
-    let mut used: HashSet<u32> = HashSet::new();
-    let mut unsupported: BTreeMap<u32, (u32, usize)> = BTreeMap::new();
-    for (entity, entry) in reader.file.entities() {
-        let surface_at: usize = match entry.kind {
-            144 | 510 | 140 => 1,
-            141 => 3,
-            142 | 143 => 2,
-            308 => {
-                catalog.definitions.push(entity);
-                continue;
-            }
-            kind => {
-                if UNSUPPORTED.iter().any(|(known, _)| *known == kind) {
-                    unsupported.entry(kind).or_insert((entity, 0)).1 += 1;
-                }
-                continue;
-            }
-        };
-        if let Ok(surface) = reader.file.parameters(entity).and_then(|p| p.reference(surface_at)) {
-            used.insert(surface);
-        }
-    }
-    for (kind, (entity, count)) in unsupported {
-        let what = UNSUPPORTED.iter().find(|(known, _)| *known == kind).map_or("", |(_, what)| what);
-        let reason = format!("{what} are not supported: {count} left out");
-        reader.report(Severity::Dropped, Problem { entity, kind, reason });
-    }
-    let listed: HashSet<u32> =
-        catalog.definitions.iter().flat_map(|&entity| members(reader, entity, 308)).collect();
-    for (entity, entry) in reader.file.entities() {
-        let is_face = match entry.kind {
-            143 | 144 | 510 => true,
-            kind if BOUNDED_KINDS.contains(&kind) => {
-                // Geometry, or geometry within a definition; not annotation, parameter space or construction.
-                let is_shape = matches!(entry.usage, 0 | 2 | 3)
-                    && (!entry.physically_dependent || listed.contains(&entity));
-                is_shape && !used.contains(&entity)
-            }
-            _ => false,
-        };
-        if is_face {
-            catalog.faces.push(entity);
-        }
-        if is_face || matches!(entry.kind, 186 | 408 | 514) {
-            catalog.shapes.push(entity);
-        }
-    }
-    catalog
-}
-
-/// The members of a definition (308) or a group (402); none where it cannot be read.
-fn members(reader: &Reader, entity: u32, kind: u32) -> Vec<u32> {
-    let Ok(parameters) = reader.file.parameters(entity) else { return Vec::new() };
-    let at = if kind == 308 { 3 } else { 1 };
-    let count = parameters.count(at, 1).unwrap_or(0);
-    (0..count).filter_map(|i| parameters.reference(at + 1 + i).ok()).collect()
-}
 
 /// Maps everything in `catalog`; `name` is that of the whole file.
 pub fn map(reader: &mut Reader, catalog: &Catalog, name: String) {
+    let shows_blanked = is_all_blanked(reader, catalog);
+    if shows_blanked {
+        let reason = "everything is blanked; shown all the same".into();
+        reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
+    } else {
+        catalog.shapes.iter().for_each(|&shape| hide(reader, shape));
+    }
     let mut tree = Tree {
         parts: HashMap::new(),
         owned: HashSet::new(),
         shapes: catalog.shapes.iter().copied().collect(),
+        components: catalog.components.clone(),
+        shows_blanked,
     };
-    for &shape in &catalog.shapes {
-        hide(reader, shape);
-    }
     for &definition in &catalog.definitions {
         if let Err(problem) = tree.definition(reader, definition, 0) {
             reader.report(Severity::Dropped, problem);
         }
     }
-    let shapes: Vec<u32> =
-        catalog.shapes.iter().copied().filter(|shape| !tree.owned.contains(shape)).collect();
+    let nested: HashSet<u32> =
+        catalog.groups.iter().flat_map(|&group| catalog::members(reader, group)).collect();
+    let groups: Vec<u32> = catalog.groups.iter().copied().filter(|group| !nested.contains(group)).collect();
+    let grouped = reached(reader, &groups);
+    let mut members = tree.members(reader, &groups, None, 0);
+    let stands_alone = |shape: &u32| {
+        !tree.components.contains(shape) && !tree.owned.contains(shape) && !grouped.contains(shape)
+    };
+    let alone = catalog.shapes.iter().copied().filter(stands_alone);
+    members.extend(alone.map(|entity| Member { entity, color: None }));
     let mut part = Part { name, ..Part::default() };
-    tree.fill(reader, &mut part, &shapes, 0);
+    tree.fill(reader, &mut part, &members, 0);
     if !(part.bodies.is_empty() && part.children.is_empty()) {
         let root = reader.model.parts.push(part);
         reader.model.roots.push(root);
@@ -142,10 +63,35 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, name: String) {
     }
 }
 
+/// Everything in the groups, and in the groups in them.
+fn reached(reader: &Reader, groups: &[u32]) -> HashSet<u32> {
+    let mut reached = HashSet::new();
+    let mut open = groups.to_vec();
+    while let Some(group) = open.pop() {
+        for member in catalog::members(reader, group) {
+            if reached.insert(member) && is_group(&reader.entry(member)) {
+                open.push(member);
+            }
+        }
+    }
+    reached
+}
+
+/// Whether nothing would be shown because of blank status alone.
+fn is_all_blanked(reader: &Reader, catalog: &Catalog) -> bool {
+    let entries = || catalog.shapes.iter().map(|&shape| reader.entry(shape));
+    let mut tops = entries().filter(|entry| !entry.physically_dependent).peekable();
+    if tops.peek().is_some() {
+        tops.all(|entry| entry.blanked)
+    } else {
+        !catalog.shapes.is_empty() && entries().all(|entry| entry.blanked)
+    }
+}
+
 /// Takes out what is blanked: a face, or all faces of a shell or a solid.
 fn hide(reader: &mut Reader, shape: u32) {
     let entry = reader.entry(shape);
-    if !entry.blanked || entry.kind == 408 {
+    if !entry.blanked {
         return;
     }
     let shells: Vec<u32> = match entry.kind {
@@ -153,6 +99,10 @@ fn hide(reader: &mut Reader, shape: u32) {
         186 => {
             let shells = reader.file.parameters(shape).and_then(|p| solid_shells(&p)).unwrap_or_default();
             shells.into_iter().map(|(shell, _)| shell).collect()
+        }
+        kind if PLACING.contains(&kind) || PRIMITIVES.contains(&kind) => {
+            reader.report(Severity::Hidden, Problem { entity: shape, kind, reason: "blanked".into() });
+            return;
         }
         _ => {
             reader.hide_face(shape, "blanked");
@@ -167,108 +117,275 @@ fn hide(reader: &mut Reader, shape: u32) {
     }
 }
 
+/// A shape or a named group, with the colour that it has where it has none of its own.
+#[derive(Debug, Clone, Copy)]
+struct Member {
+    entity: u32,
+    color: Option<Color>,
+}
+
 struct Tree {
-    /// Parts by definition; none while a definition is being mapped.
+    /// Parts by what they are made of; none while that is being mapped.
     parts: HashMap<u32, Option<Id<Part>>>,
-    /// What belongs to some definition.
+    /// What belongs to some definition or group.
     owned: HashSet<u32>,
     shapes: HashSet<u32>,
+    /// What stands nowhere by itself.
+    components: HashSet<u32>,
+    shows_blanked: bool,
 }
 
 impl Tree {
-    /// Entity 308: depth, name, how many members, these.
+    /// Entities 308 and 320: depth, name, how many members, these.
     fn definition(&mut self, reader: &mut Reader, entity: u32, depth: usize) -> Mapped<Id<Part>> {
-        let fail = |reason: &str| Problem { entity, kind: 308, reason: reason.into() };
+        self.once(reader, entity, depth, |tree, reader| {
+            let parameters = reader.file.parameters(entity)?;
+            if !matches!(parameters.kind, 308 | 320) {
+                return Err(parameters.problem("this is no subfigure definition"));
+            }
+            let color = style::color(&reader.file, entity);
+            let members = catalog::members(reader, entity);
+            let members = tree.members(reader, &members, color, depth);
+            let mut part = Part { name: parameters.text(2).into(), entity: entity.into(), ..Part::default() };
+            tree.fill(reader, &mut part, &members, depth);
+            Ok(part)
+        })
+    }
+
+    /// The part that an instance, an array or an assembly places: a definition, or a part that holds one shape.
+    fn placed(&mut self, reader: &mut Reader, entity: u32, depth: usize) -> Mapped<Id<Part>> {
+        let entry = reader.entry(entity);
+        if matches!(entry.kind, 308 | 320) {
+            return self.definition(reader, entity, depth);
+        }
+        if !(self.shapes.contains(&entity) || is_group(&entry)) {
+            let reason = "what it places is no shape that can be read".into();
+            return Err(Problem { entity, kind: entry.kind, reason });
+        }
+        self.once(reader, entity, depth, |tree, reader| {
+            let mut part = Part { name: style::label(&reader.file, entity), ..Part::default() };
+            part.entity = entity.into();
+            tree.fill(reader, &mut part, &[Member { entity, color: None }], depth);
+            Ok(part)
+        })
+    }
+
+    /// The part of `entity`, made by `make` unless it is known.
+    fn once(
+        &mut self,
+        reader: &mut Reader,
+        entity: u32,
+        depth: usize,
+        make: impl FnOnce(&mut Self, &mut Reader) -> Mapped<Part>,
+    ) -> Mapped<Id<Part>> {
+        let fail = |reason: &str| Problem { entity, kind: reader.entry(entity).kind, reason: reason.into() };
         match self.parts.get(&entity) {
             Some(Some(known)) => return Ok(*known),
-            Some(None) => return Err(fail("subfigures contain each other in a circle")),
-            None if depth > MAX_DEPTH => return Err(fail("subfigures are nested too deeply")),
+            Some(None) => return Err(fail("it contains itself")),
+            None if depth > MAX_DEPTH => return Err(fail("it is nested too deeply")),
             None => {}
         }
-        let parameters = reader.file.parameters(entity)?;
-        if parameters.kind != 308 {
-            return Err(parameters.problem("this is no subfigure definition"));
-        }
         self.parts.insert(entity, None);
-        let mut shapes = Vec::new();
-        let mut groups = vec![(entity, 308, 0)];
-        let mut seen = HashSet::new();
-        while let Some((group, kind, level)) = groups.pop() {
-            for member in members(reader, group, kind) {
-                match reader.entry(member).kind {
-                    402 if level < MAX_DEPTH && seen.insert(member) => groups.push((member, 402, level + 1)),
-                    // What two definitions share belongs to the first.
-                    _ if self.shapes.contains(&member) && self.owned.insert(member) => shapes.push(member),
-                    _ => {}
-                }
-            }
-        }
-        let mut part = Part { name: parameters.text(2).into(), entity: entity.into(), ..Part::default() };
-        self.fill(reader, &mut part, &shapes, depth);
+        let part = make(self, reader)?;
         let id = reader.model.parts.push(part);
         self.parts.insert(entity, Some(id));
         Ok(id)
     }
 
-    /// Puts shapes into a part: solids, then shells, then faces, then instances.
-    fn fill(&mut self, reader: &mut Reader, part: &mut Part, shapes: &[u32], depth: usize) {
-        let of_kind = |reader: &Reader, wanted: u32| -> Vec<u32> {
-            shapes
-                .iter()
-                .copied()
-                .filter(|shape| reader.entry(*shape).kind == wanted && !reader.entry(*shape).blanked)
-                .collect()
-        };
-        for solid in of_kind(reader, 186) {
-            let body = reader.solid(solid);
-            place_body(reader, part, solid, body);
-        }
-        for shell in of_kind(reader, 514) {
-            if !reader.taken_shells.contains(&shell) {
-                let body = reader.sheet_body(shell);
-                place_body(reader, part, shell, body);
+    /// The shapes and the named groups among `entities`, and the shapes in their groups without names. What two groups or
+    /// definitions share belongs to the first.
+    fn members(
+        &mut self,
+        reader: &Reader,
+        entities: &[u32],
+        color: Option<Color>,
+        depth: usize,
+    ) -> Vec<Member> {
+        let mut members = Vec::new();
+        let mut open: Vec<(u32, Option<Color>, usize)> =
+            entities.iter().rev().map(|&entity| (entity, color, depth)).collect();
+        while let Some((entity, color, level)) = open.pop() {
+            let group = is_group(&reader.entry(entity));
+            let is_member = group || (self.shapes.contains(&entity) && !self.components.contains(&entity));
+            if !is_member || !self.owned.insert(entity) {
+                continue;
+            }
+            if group && group_name(reader, entity).is_empty() && level < MAX_DEPTH {
+                let color = style::color(&reader.file, entity).or(color);
+                let inner = catalog::members(reader, entity);
+                open.extend(inner.into_iter().rev().map(|entity| (entity, color, level + 1)));
+            } else {
+                members.push(Member { entity, color });
             }
         }
-        let faces = loose_faces(reader, shapes);
+        members
+    }
+
+    /// Puts shapes into a part: solids, then shells, then faces, then what places other parts.
+    fn fill(&mut self, reader: &mut Reader, part: &mut Part, members: &[Member], depth: usize) {
+        let shown: Vec<(Member, u32)> = members
+            .iter()
+            .map(|member| (*member, reader.entry(member.entity)))
+            .filter(|(_, entry)| self.shows_blanked || !entry.blanked)
+            .map(|(member, entry)| (member, entry.kind))
+            .collect();
+        for (Member { entity, color }, kind) in &shown {
+            let body = match kind {
+                186 => reader.solid(*entity, *color),
+                kind if PRIMITIVES.contains(kind) => reader.constructive(*entity, *color),
+                _ => continue,
+            };
+            place_body(reader, part, *entity, body);
+        }
+        for (Member { entity, color }, kind) in &shown {
+            if *kind == 514 && !reader.taken_shells.contains(entity) {
+                let body = reader.sheet_body(*entity, *color);
+                place_body(reader, part, *entity, body);
+            }
+        }
+        let faces = loose_faces(reader, members);
         if let Some(first) = faces.first() {
             let entity = reader.model.faces[*first].entity;
             part.bodies.push(Body { kind: BodyKind::Sheet, faces, name: String::new(), entity });
         }
-        for instance in of_kind(reader, 408) {
-            match self.instance(reader, instance, depth + 1) {
-                Ok(child) => part.children.push(child),
+        for (Member { entity, color }, kind) in shown {
+            let children = match kind {
+                402 => self.group(reader, entity, color, depth + 1),
+                kind if PLACING.contains(&kind) => self.children(reader, entity, depth + 1),
+                _ => continue,
+            };
+            match children {
+                Ok(children) => part.children.extend(children),
                 Err(problem) => reader.report(Severity::Dropped, problem),
             }
         }
     }
 
-    /// Entity 408: the definition, a translation, a scale.
-    fn instance(&mut self, reader: &mut Reader, entity: u32, depth: usize) -> Mapped<Child> {
-        let parameters = reader.file.parameters(entity)?;
-        let part = self.definition(reader, parameters.reference(1)?, depth)?;
-        let translation = reader.unit.transform_vector3(parameters.point(2)?);
-        let scale = match parameters.real(5)? {
-            0.0 => 1.0,
-            scale => scale,
-        };
-        let local = DAffine3::from_translation(translation) * DAffine3::from_scale(DVec3::splat(scale));
-        let entry = reader.entry(entity);
-        Ok(Child {
-            part,
-            parent_from_child: in_millimetres(reader, entity)? * local,
-            name: style::name(&reader.file, &parameters, 6),
-            // Under a global hierarchy the instance decides, else its members do.
-            color: style::color(&reader.file, entity).filter(|_| entry.is_global),
-            entity: entity.into(),
-        })
+    /// A group with a name.
+    fn group(
+        &mut self,
+        reader: &mut Reader,
+        entity: u32,
+        color: Option<Color>,
+        depth: usize,
+    ) -> Mapped<Vec<Child>> {
+        let part = self.once(reader, entity, depth, |tree, reader| {
+            let color = style::color(&reader.file, entity).or(color);
+            let members = catalog::members(reader, entity);
+            let members = tree.members(reader, &members, color, depth);
+            let name = group_name(reader, entity);
+            let mut part = Part { name, entity: entity.into(), ..Part::default() };
+            tree.fill(reader, &mut part, &members, depth);
+            Ok(part)
+        })?;
+        let inner = &reader.model.parts[part];
+        let is_empty = inner.bodies.is_empty() && inner.children.is_empty();
+        Ok(if is_empty { Vec::new() } else { vec![child(part, DAffine3::IDENTITY, String::new(), entity)] })
     }
+
+    /// What an instance, an array or an assembly places.
+    fn children(&mut self, reader: &mut Reader, entity: u32, depth: usize) -> Mapped<Vec<Child>> {
+        let parameters = reader.file.parameters(entity)?;
+        let own = in_millimetres(reader, entity)?;
+        let entry = reader.entry(entity);
+        // Under a global hierarchy the instance decides, else its members do.
+        let color = style::color(&reader.file, entity).filter(|_| entry.is_global);
+        let mut children = match entry.kind {
+            184 => self.assembly(reader, &parameters, depth)?,
+            180 => match catalog::tree_operands(&parameters).as_slice() {
+                [single] => vec![child(
+                    self.placed(reader, *single, depth)?,
+                    DAffine3::IDENTITY,
+                    String::new(),
+                    entity,
+                )],
+                // Said once for all.
+                _ => Vec::new(),
+            },
+            412 | 414 => {
+                let part = self.placed(reader, parameters.reference(1)?, depth)?;
+                let copies = array::copies(&parameters)?;
+                let copy = |place: &DAffine3| child(part, scaled(reader, place), String::new(), entity);
+                copies.iter().map(copy).collect()
+            }
+            430 => {
+                let part = self.placed(reader, parameters.reference(1)?, depth)?;
+                vec![child(part, DAffine3::IDENTITY, style::name(&reader.file, &parameters, 2), entity)]
+            }
+            _ => {
+                let part = self.definition(reader, parameters.reference(1)?, depth)?;
+                let (scale, after) = instance_scale(&parameters)?;
+                let place = DAffine3::from_translation(parameters.point(2)?) * DAffine3::from_scale(scale);
+                let name = style::name(&reader.file, &parameters, after);
+                vec![child(part, scaled(reader, &place), name, entity)]
+            }
+        };
+        for child in &mut children {
+            child.parent_from_child = own * child.parent_from_child;
+            child.color = color;
+        }
+        Ok(children)
+    }
+
+    /// Entity 184: how many items, these, a matrix or nothing for each.
+    fn assembly(&mut self, reader: &mut Reader, parameters: &Parameters, depth: usize) -> Mapped<Vec<Child>> {
+        let entity = parameters.entity;
+        let count = parameters.count(1, 2)?;
+        let part = self.once(reader, entity, depth, |tree, reader| {
+            let name = style::name(&reader.file, parameters, 2 + 2 * count);
+            let mut part = Part { name, entity: entity.into(), ..Part::default() };
+            for i in 0..count {
+                let item = parameters.reference(2 + i)?;
+                let place = match parameters.pointer(2 + count + i)? {
+                    0 => DAffine3::IDENTITY,
+                    matrix => placement::chain(&reader.file, matrix)?,
+                };
+                match tree.placed(reader, item, depth + 1) {
+                    Ok(inner) => {
+                        let name = String::new();
+                        part.children.push(child(inner, scaled(reader, &place), name, item));
+                    }
+                    Err(problem) => reader.report(Severity::Dropped, problem),
+                }
+            }
+            Ok(part)
+        })?;
+        Ok(vec![child(part, DAffine3::IDENTITY, String::new(), entity)])
+    }
+}
+
+/// The name of a group.
+fn group_name(reader: &Reader, entity: u32) -> String {
+    let Ok(parameters) = reader.file.parameters(entity) else { return String::new() };
+    let count = parameters.count(1, 1).unwrap_or(0);
+    style::name(&reader.file, &parameters, 2 + count)
+}
+
+/// The scale of an instance and where its parameters end: one factor (408), or three, of which the second and third default to
+/// the one before, with four more parameters and as many points to connect as the first of them says (420).
+fn instance_scale(parameters: &Parameters) -> Mapped<(DVec3, usize)> {
+    let or = |value: f64, default: f64| if value == 0.0 { default } else { value };
+    let x = or(parameters.real(5)?, 1.0);
+    if parameters.kind == 408 {
+        return Ok((DVec3::splat(x), 6));
+    }
+    let y = or(parameters.real(6)?, x);
+    let z = or(parameters.real(7)?, y);
+    Ok((DVec3::new(x, y, z), 12 + parameters.count(11, 1).unwrap_or(0)))
+}
+
+fn child(part: Id<Part>, parent_from_child: DAffine3, name: String, entity: u32) -> Child {
+    Child { part, parent_from_child, name, color: None, entity: entity.into() }
+}
+
+/// A placement in the file's units, for lengths in millimetres.
+fn scaled(reader: &Reader, place: &DAffine3) -> DAffine3 {
+    DAffine3 { translation: reader.unit.transform_vector3(place.translation), ..*place }
 }
 
 /// The matrix of `entity` for lengths in millimetres.
 fn in_millimetres(reader: &Reader, entity: u32) -> Mapped<DAffine3> {
-    let mut place = placement::of(&reader.file, entity, &DAffine3::IDENTITY)?;
-    place.translation = reader.unit.transform_vector3(place.translation);
-    Ok(place)
+    Ok(scaled(reader, &placement::of(&reader.file, entity, &DAffine3::IDENTITY)?))
 }
 
 fn place_body(reader: &mut Reader, part: &mut Part, entity: u32, body: Mapped<Body>) {
@@ -276,40 +393,34 @@ fn place_body(reader: &mut Reader, part: &mut Part, entity: u32, body: Mapped<Bo
     match placed {
         Ok((body, _)) if body.faces.is_empty() => {}
         Ok((body, place)) if place == DAffine3::IDENTITY => part.bodies.push(body),
-        Ok((body, parent_from_child)) => {
+        Ok((body, place)) => {
             let name = body.name.clone();
             let own = Part { name, bodies: vec![body], children: Vec::new(), entity: entity.into() };
             let id = reader.model.parts.push(own);
-            part.children.push(Child {
-                part: id,
-                parent_from_child,
-                name: String::new(),
-                color: None,
-                entity: entity.into(),
-            });
+            part.children.push(child(id, place, String::new(), entity));
         }
         Err(problem) => reader.report(Severity::Dropped, problem),
     }
 }
 
 /// Faces that belong to no shell.
-fn loose_faces(reader: &mut Reader, shapes: &[u32]) -> Vec<Id<Face>> {
+fn loose_faces(reader: &mut Reader, members: &[Member]) -> Vec<Id<Face>> {
     let mut faces = Vec::new();
-    for &shape in shapes {
-        if !reader.open_faces.contains(&shape) {
+    for &Member { entity, color } in members {
+        if !reader.open_faces.contains(&entity) {
             continue;
         }
-        let face = if reader.entry(shape).kind == 510 {
-            reader.face(shape, false, None)
+        let face = if reader.entry(entity).kind == 510 {
+            reader.face(entity, false, color)
         } else {
-            reader.loose_face(shape, None)
+            reader.loose_face(entity, color)
         };
         match face {
             Ok(face) => {
-                reader.open_faces.remove(&shape);
+                reader.open_faces.remove(&entity);
                 faces.push(face);
             }
-            Err(problem) => reader.drop_face(shape, &problem),
+            Err(problem) => reader.drop_face(entity, &problem),
         }
     }
     faces

@@ -17,7 +17,7 @@ pub struct Unfolded<'a> {
 pub fn unfold<'a>(lines: &[&'a [u8]], delimiters: Delimiters) -> Unfolded<'a> {
     let mut unfolded = Unfolded::default();
     let mut fields = [0_i64; 21];
-    let mut status: Vec<u8> = Vec::new();
+    let (mut status, mut label) = (Vec::new(), Vec::new());
     let mut in_entry = false;
     for line in lines {
         let text = line.trim_ascii();
@@ -26,13 +26,13 @@ pub fn unfold<'a>(lines: &[&'a [u8]], delimiters: Delimiters) -> Unfolded<'a> {
             && text.contains(&b'@');
         if starts || (in_entry && text.first() == Some(&b'@')) {
             let end = text.iter().position(|b| *b == delimiters.record);
-            apply(&text[..end.unwrap_or(text.len())], &mut fields, &mut status);
+            apply(&text[..end.unwrap_or(text.len())], &mut fields, &mut status, &mut label);
             if starts {
                 unfolded.entries.push(Entry::default());
             }
             in_entry = end.is_none();
             if let Some(entry) = unfolded.entries.last_mut() {
-                *entry = Entry::from_fields(|at| fields[at], &status);
+                *entry = Entry::from_fields(|at| fields[at], &status, &label);
                 entry.parameters = unfolded.parameters.len() as u32 + 1;
                 entry.records = 0;
             }
@@ -46,12 +46,13 @@ pub fn unfold<'a>(lines: &[&'a [u8]], delimiters: Delimiters) -> Unfolded<'a> {
 }
 
 /// Sets the fields that a directory line gives.
-fn apply(line: &[u8], fields: &mut [i64; 21], status: &mut Vec<u8>) {
+fn apply(line: &[u8], fields: &mut [i64; 21], status: &mut Vec<u8>, label: &mut Vec<u8>) {
     for part in line.split(|b| *b == b'@').skip(1) {
         let Some(bar) = part.iter().position(|b| *b == b'_') else { continue };
         let (name, value) = (&part[..bar], part[bar + 1..].trim_ascii());
         match number(name).filter(|n| n.fract() == 0.0 && (1.0..=20.0).contains(n)) {
             Some(9.0) => *status = value.to_vec(),
+            Some(18.0) => *label = value.to_vec(),
             Some(at) => fields[at as usize] = number(value).map_or(0, |n| n as i64),
             None => {}
         }

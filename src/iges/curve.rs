@@ -1,7 +1,8 @@
-//! Curve entities, as pieces of curves in millimetres: 100, 102, 104, 106, 110, 112, 126.
+//! Curve entities, as pieces of curves in millimetres: 100, 102, 104, 106, 110, 112, 126, 130.
 
 use super::conic;
 use super::directory::{Directory, Mapped, Parameters, Problem};
+use super::offset;
 use super::placement::{self, is_similarity};
 use super::spans::{self, Span};
 use crate::geometry::{BsplineCurve, Curve, Frame, Homogeneous, Homogeneous2, Homogeneous3};
@@ -56,6 +57,17 @@ impl Piece {
 pub fn pieces(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<Vec<Piece>> {
     let mut pieces = Vec::new();
     collect(file, entity, outer, 0, &mut pieces)?;
+    finite(file, pieces)
+}
+
+/// The pieces of curve `entity`, to which another curve refers, in that one's own space.
+pub fn pieces_within(file: &Directory, entity: u32, depth: usize) -> Mapped<Vec<Piece>> {
+    let mut pieces = Vec::new();
+    collect(file, entity, &DAffine3::IDENTITY, depth, &mut pieces)?;
+    finite(file, pieces)
+}
+
+fn finite(file: &Directory, pieces: Vec<Piece>) -> Mapped<Vec<Piece>> {
     let finite = |piece: &Piece| {
         piece.ends().iter().all(|p| p.is_finite()) && piece.range.iter().all(|t| t.is_finite())
     };
@@ -122,7 +134,14 @@ fn collect(
         }
         112 => parametric(&parameters)?,
         126 => bspline(&parameters)?,
-        130 => return Err(parameters.problem("offset curves are not supported")),
+        130 => {
+            for piece in offset::pieces(file, &parameters, depth + 1)? {
+                let (curve, range) =
+                    placed(piece.curve, piece.range, &place).map_err(|reason| parameters.problem(reason))?;
+                pieces.push(Piece { curve, range, ..piece });
+            }
+            return Ok(());
+        }
         _ => return Err(parameters.problem("this is no curve that can be read")),
     };
     let (curve, range) = placed(curve, range, &place).map_err(|reason| parameters.problem(reason))?;
@@ -185,8 +204,8 @@ fn copious(parameters: &Parameters, form: i32) -> Mapped<Carrier> {
     let mut points: Vec<DVec3> = Vec::with_capacity(count + 1);
     for i in 0..count {
         let at = first + i * width;
-        let z = if kind == 1 { height } else { parameters.real(at + 2)? };
-        let point = DVec3::new(parameters.real(at)?, parameters.real(at + 1)?, z);
+        let z = if kind == 1 { height } else { parameters.within(at + 2)? };
+        let point = DVec3::new(parameters.within(at)?, parameters.within(at + 1)?, z);
         if points.last() != Some(&point) {
             points.push(point);
         }
@@ -214,9 +233,9 @@ fn parametric(parameters: &Parameters) -> Mapped<Carrier> {
         let at = 6 + count + 12 * i;
         let coefficient = |k: usize| -> Mapped<DVec3> {
             Ok(DVec3::new(
-                parameters.real(at + k)?,
-                parameters.real(at + 4 + k)?,
-                parameters.real(at + 8 + k)?,
+                parameters.within(at + k)?,
+                parameters.within(at + 4 + k)?,
+                parameters.within(at + 8 + k)?,
             ))
         };
         let width = breaks[i + 1] - breaks[i];
@@ -244,7 +263,8 @@ fn bspline(parameters: &Parameters) -> Mapped<Carrier> {
     let weights: Vec<f64> =
         (0..=last).map(|i| parameters.given(7 + knot_count + i)).collect::<Mapped<_>>()?;
     let first = 8 + knot_count + last;
-    let points: Vec<DVec3> = (0..=last).map(|i| parameters.point(first + 3 * i)).collect::<Mapped<_>>()?;
+    let points: Vec<DVec3> =
+        (0..=last).map(|i| parameters.point_within(first + 3 * i)).collect::<Mapped<_>>()?;
     let even = weights.iter().all(|w| *w == weights[0]) && weights[0] > 0.0;
     let after = first + 3 * (last + 1);
     let domain = [knots[degree], knots[last + 1]];

@@ -2,7 +2,7 @@
 
 use super::card::Cards;
 use super::compressed;
-use super::value::{Delimiters, Value, number, values};
+use super::value::{Delimiters, MOST_VALUES, Value, number, values};
 use std::collections::HashMap;
 
 /// Parameter data is decoded again whenever an entity is used again. All in all the reader takes this many times the
@@ -36,6 +36,10 @@ pub struct Entry {
     pub is_global: bool,
     /// Use: geometry, annotation, definition, other, logical, 2-D parametric, construction.
     pub usage: u8,
+    /// The label, filled up with blanks.
+    pub label: [u8; 8],
+    /// The number that goes with the label; 0 where there is none.
+    pub subscript: u32,
 }
 
 /// A file of entities.
@@ -78,25 +82,18 @@ pub struct Problem {
 pub type Mapped<T> = Result<T, Problem>;
 
 impl<'a> Directory<'a> {
-    /// The entities of `cards`.
-    pub fn new(cards: &Cards<'a>, delimiters: Delimiters) -> Self {
+    /// The entities of `cards`, and how many directory records have no other half.
+    pub fn new(cards: &Cards<'a>, delimiters: Delimiters) -> (Self, usize) {
         let budget = |records: usize| {
             std::cell::Cell::new(records.saturating_mul(MOST_READINGS).saturating_add(FREE_RECORDS))
         };
         if let Some(lines) = &cards.compressed {
             let compressed::Unfolded { entries, parameters } = compressed::unfold(lines, delimiters);
             let left = budget(parameters.len());
-            return Self {
-                entries,
-                parameters,
-                first_record: HashMap::new(),
-                delimiters,
-                compressed: true,
-                left,
-            };
+            let first_record = HashMap::new();
+            return (Self { entries, parameters, first_record, delimiters, compressed: true, left }, 0);
         }
-        let entries: Vec<Entry> =
-            cards.directory.chunks_exact(2).map(|pair| entry(pair[0], pair[1])).collect();
+        let (entries, unpaired) = paired(&cards.directory);
         let mut first_record = HashMap::new();
         for (i, card) in cards.parameters.iter().enumerate() {
             if let Some(entity) = back_pointer(card) {
@@ -105,7 +102,7 @@ impl<'a> Directory<'a> {
         }
         let parameters = cards.parameters.clone();
         let left = budget(parameters.len());
-        Self { entries, parameters, first_record, delimiters, compressed: false, left }
+        (Self { entries, parameters, first_record, delimiters, compressed: false, left }, unpaired)
     }
 
     /// How many entities there are.
@@ -144,8 +141,11 @@ impl<'a> Directory<'a> {
         for (i, card) in self.parameters[first..].iter().enumerate() {
             // An entity's own records go on as long as they point back to it, whatever the count says; one that points
             // elsewhere belongs to it too where the count says so and the record before does not end.
-            let is_own = owned && back_pointer(card) == Some(entity);
-            if !is_own && (i >= given || (owned && ended)) {
+            // Where nothing points back, records go on to the end of the last parameter.
+            let back = back_pointer(card);
+            let is_own = owned && back == Some(entity);
+            let is_enough = i >= given && (ended || back.is_some() || self.compressed);
+            if !is_own && (is_enough || (owned && ended)) {
                 break;
             }
             let left = self.left.get().checked_sub(1);
@@ -163,6 +163,9 @@ impl<'a> Directory<'a> {
             ended = data.trim_ascii_end().last() == Some(&self.delimiters.record);
         }
         let (values, _) = values(&text, self.delimiters);
+        if values.len() > MOST_VALUES {
+            return Err(fail("it has too many parameters"));
+        }
         if !matches!(values.first(), Some(Value::Number(kind)) if *kind == f64::from(entry.kind)) {
             return Err(fail("its parameters are those of another entity"));
         }
@@ -204,6 +207,30 @@ impl Parameters {
             Some(Value::Number(number)) => Ok(*number),
             _ => Err(self.problem(format!("parameter {at} is missing"))),
         }
+    }
+
+    /// Parameter `at` as a number that the record reaches to; 0 where it is left out.
+    pub fn within(&self, at: usize) -> Mapped<f64> {
+        if at < self.values.len() {
+            return self.real(at);
+        }
+        Err(self.problem(format!("the parameters end before number {at}")))
+    }
+
+    /// Parameters from `at` on as a point that the record reaches to; those left out are 0.
+    pub fn point_within(&self, at: usize) -> Mapped<glam::DVec3> {
+        Ok(glam::DVec3::new(self.within(at)?, self.within(at + 1)?, self.within(at + 2)?))
+    }
+
+    /// Parameters from `at` on as a direction; `default` where all are left out or zero.
+    pub fn direction(&self, at: usize, default: glam::DVec3) -> Mapped<glam::DVec3> {
+        let given = self.point(at)?;
+        Ok(given.try_normalize().unwrap_or(default))
+    }
+
+    /// Parameters from `at` on as pointers, `count` of them; those that are none are left out.
+    pub fn references(&self, at: usize, count: usize) -> Vec<u32> {
+        (0..count).filter_map(|i| self.reference(at + i).ok()).collect()
     }
 
     /// Parameters from `at` on as a point; missing ones are 0.
@@ -252,6 +279,35 @@ impl Parameters {
     }
 }
 
+/// The entries of the directory's records, two to each, and how many records lack their other half. Both halves begin with
+/// the entity's type; where a record is lost its entry stays empty, so that the others keep their numbers.
+fn paired(cards: &[&[u8]]) -> (Vec<Entry>, usize) {
+    let kind = |card: &[u8]| number(card.get(..8.min(card.len())).unwrap_or_default().trim_ascii());
+    let (mut entries, mut unpaired, mut at) = (Vec::with_capacity(cards.len() / 2), 0, 0);
+    while let Some(first) = cards.get(at) {
+        let second = cards.get(at + 1);
+        let after = cards.get(at + 2);
+        // A pair that differs is believed unless the next two records are one: some leave the second type out.
+        let is_pair = second.is_some_and(|second| {
+            kind(first) == kind(second)
+                || kind(second).is_none()
+                || !after.is_some_and(|after| kind(second).is_some() && kind(second) == kind(after))
+        });
+        match second {
+            Some(second) if is_pair => {
+                entries.push(entry(first, second));
+                at += 2;
+            }
+            _ => {
+                entries.push(Entry::default());
+                unpaired += 1;
+                at += 1;
+            }
+        }
+    }
+    (entries, unpaired)
+}
+
 fn entry(first: &[u8], second: &[u8]) -> Entry {
     let field = |card: &'_ [u8], at: usize| -> i64 {
         let end = card.len().min(8 * at + 8);
@@ -259,12 +315,14 @@ fn entry(first: &[u8], second: &[u8]) -> Entry {
         number(field.trim_ascii()).filter(|n| n.fract() == 0.0).map_or(0, |n| n as i64)
     };
     let status = first.get(64..first.len().min(72)).unwrap_or_default();
-    Entry::from_fields(|at| if at < 10 { field(first, at - 1) } else { field(second, at - 11) }, status)
+    let numbers = |at: usize| if at < 10 { field(first, at - 1) } else { field(second, at - 11) };
+    let label = second.get(56..second.len().min(64)).unwrap_or_default();
+    Entry::from_fields(numbers, status, label)
 }
 
 impl Entry {
-    /// An entry from its numbered fields (1 to 20, integers) and its status field.
-    pub fn from_fields(field: impl Fn(usize) -> i64, status: &[u8]) -> Self {
+    /// An entry from its numbered fields (1 to 20, integers), its status field and its label.
+    pub fn from_fields(field: impl Fn(usize) -> i64, status: &[u8], label: &[u8]) -> Self {
         let unsigned = |at: usize| u32::try_from(field(at)).unwrap_or(0);
         let signed = |at: usize| i32::try_from(field(at)).unwrap_or(0);
         // Blanks count as zeros, and leading zeros may be missing.
@@ -285,6 +343,8 @@ impl Entry {
             physically_dependent: matches!(pair(2), 1 | 3),
             is_global: pair(6) == 0,
             usage: pair(4),
+            label: std::array::from_fn(|i| label.get(i).copied().unwrap_or(b' ')),
+            subscript: unsigned(19),
         }
     }
 }

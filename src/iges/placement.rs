@@ -11,11 +11,15 @@ const SIMILAR: f64 = 1e-5;
 
 /// The place of `entity`: its own matrix, seen from `outer`.
 pub fn of(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<DAffine3> {
+    Ok(*outer * chain(file, file.entry(entity)?.transform)?)
+}
+
+/// The matrix of entity `next` (124; 0 for none) and of all that it refers to.
+pub fn chain(file: &Directory, mut next: u32) -> Mapped<DAffine3> {
     let mut placement = DAffine3::IDENTITY;
-    let mut next = file.entry(entity)?.transform;
     for _ in 0..MAX_CHAIN {
         if next == 0 {
-            return Ok(*outer * placement);
+            return Ok(placement);
         }
         // A matrix's own matrix applies after it.
         placement = matrix(file, next)? * placement;

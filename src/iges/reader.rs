@@ -50,6 +50,8 @@ pub struct Reader<'a> {
     pub open_faces: HashSet<u32>,
     /// Shells already mapped, or hidden.
     pub taken_shells: HashSet<u32>,
+    /// The holes of bounded planes, by plane.
+    pub plane_holes: HashMap<u32, Vec<u32>>,
 }
 
 impl<'a> Reader<'a> {
@@ -66,6 +68,7 @@ impl<'a> Reader<'a> {
             lists: HashMap::new(),
             open_faces: HashSet::new(),
             taken_shells: HashSet::new(),
+            plane_holes: HashMap::new(),
         }
     }
 
@@ -78,12 +81,16 @@ impl<'a> Reader<'a> {
     pub fn surface(&mut self, entity: u32, outer: &DAffine3, form: Form) -> Mapped<SurfaceUse> {
         let in_place = *outer == self.unit;
         // Only what comes as a B-spline has two forms.
-        let has_two = matches!(self.file.kind(entity), 114 | 118 | 120 | 122 | 128);
+        let has_two = matches!(self.file.kind(entity), 114 | 118 | 120 | 122 | 128 | 140);
         let form = if has_two { form } else { Form::Bounded };
         if let Some(known) = self.surfaces.get(&(entity, form)).filter(|_| in_place) {
             return Ok(known.clone());
         }
         let sheet = sheet(&self.file, entity, outer, form)?;
+        if sheet.deviation > 0.0 {
+            let reason = format!("the offset is fitted within {:.1e} mm", sheet.deviation);
+            self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
+        }
         let used = SurfaceUse {
             id: self.model.surfaces.push(sheet.surface),
             flipped: sheet.flipped,

@@ -15,9 +15,9 @@ const AT_END: f64 = 1e-4;
 
 impl Reader<'_> {
     /// Entity 186: a shell and its sense, how many voids, for each its shell and sense. With every face that can be mapped.
-    pub fn solid(&mut self, entity: u32) -> Mapped<Body> {
+    pub fn solid(&mut self, entity: u32, inherited: Option<Color>) -> Mapped<Body> {
         let parameters = self.file.parameters(entity)?;
-        let color = style::color(&self.file, entity);
+        let color = style::color(&self.file, entity).or(inherited);
         let shells = solid_shells(&parameters)?;
         let voids = shells.len() - 1;
         let mut faces = Vec::new();
@@ -31,10 +31,12 @@ impl Reader<'_> {
     }
 
     /// A shell that no solid uses.
-    pub fn sheet_body(&mut self, entity: u32) -> Mapped<Body> {
+    pub fn sheet_body(&mut self, entity: u32, inherited: Option<Color>) -> Mapped<Body> {
         let mut faces = Vec::new();
-        self.shell(entity, false, None, &mut faces)?;
-        Ok(Body { kind: BodyKind::Sheet, faces, name: String::new(), entity: entity.into() })
+        self.shell(entity, false, inherited, &mut faces)?;
+        let parameters = self.file.parameters(entity)?;
+        let name = style::name(&self.file, &parameters, 2 + 2 * parameters.count(1, 2)?);
+        Ok(Body { kind: BodyKind::Sheet, faces, name, entity: entity.into() })
     }
 
     /// The faces of a shell with their senses.

@@ -1,4 +1,4 @@
-//! Colours (field 13 of the directory, entity 314) and names (entity 406, form 15).
+//! Colours (field 13 of the directory, entity 314) and names (entity 406, form 15; else the entity's label).
 
 use super::directory::{Directory, Parameters};
 use super::value::Value;
@@ -28,7 +28,7 @@ pub fn color(file: &Directory, entity: u32) -> Option<Color> {
 }
 
 /// The name that a property gives to an entity whose own parameters end before index `after`: then come a count of
-/// associativities, these, a count of properties, and these.
+/// associativities, these, a count of properties, and these. Else its label.
 pub fn name(file: &Directory, parameters: &Parameters, after: usize) -> String {
     let count = |at: usize| parameters.count(at, 1).unwrap_or(0);
     let properties = after + 1 + count(after);
@@ -41,5 +41,16 @@ pub fn name(file: &Directory, parameters: &Parameters, after: usize) -> String {
             return text.trim().to_owned();
         }
     }
-    String::new()
+    label(file, parameters.entity)
+}
+
+/// The label of an entity, with its subscript in parentheses; empty where it has none.
+pub fn label(file: &Directory, entity: u32) -> String {
+    let Ok(entry) = file.entry(entity) else { return String::new() };
+    let label = String::from_utf8_lossy(entry.label.trim_ascii()).into_owned();
+    match entry.subscript {
+        _ if label.is_empty() => label,
+        0 => label,
+        subscript => format!("{label}({subscript})"),
+    }
 }

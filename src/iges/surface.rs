@@ -1,7 +1,8 @@
-//! Surface entities in millimetres: 108, 114, 118, 120, 122, 128, 190, 192, 194, 196, 198.
+//! Surface entities in millimetres: 108, 114, 118, 120, 122, 128, 140, 190, 192, 194, 196, 198.
 
 use super::curve::{cubic, ordered};
 use super::directory::{Directory, Mapped, Parameters};
+use super::offset;
 use super::placement::{self, is_similarity};
 use super::reader::Form;
 use super::spans::Span;
@@ -11,7 +12,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
 /// The entity types that bound a face without any trim, by their own parameter ranges.
-pub const BOUNDED_KINDS: [u32; 7] = [114, 118, 120, 122, 128, 196, 198];
+pub const BOUNDED_KINDS: [u32; 8] = [114, 118, 120, 122, 128, 140, 196, 198];
+
+/// Offsets of offsets may not be deeper than this; deeper ones are cyclic or hostile.
+const MAX_DEPTH: usize = 16;
 
 /// A B-spline is an elementary surface where it is nowhere farther from it than this share of its size. Files keep seven
 /// digits and more.
@@ -26,6 +30,8 @@ pub struct Sheet {
     pub flipped: bool,
     /// From the file's parameters to the surface's.
     pub parameters: ParameterMap,
+    /// How far the surface may be from the true one, millimetres; 0 where it is exact or as good as that.
+    pub deviation: f64,
 }
 
 /// From the file's surface parameters to ours.
@@ -89,11 +95,24 @@ impl Arc {
 
 /// Surface `entity`, placed in `outer`.
 pub fn sheet(file: &Directory, entity: u32, outer: &DAffine3, form: Form) -> Mapped<Sheet> {
+    sheet_at(file, entity, outer, form, 0)
+}
+
+fn sheet_at(file: &Directory, entity: u32, outer: &DAffine3, form: Form, depth: usize) -> Mapped<Sheet> {
+    if file.kind(entity) == 140 {
+        let parameters = file.parameters(entity)?;
+        if depth > MAX_DEPTH {
+            return Err(parameters.problem("offsets refer to each other in a circle"));
+        }
+        let place = placement::of(file, entity, outer)?;
+        let basis = sheet_at(file, parameters.reference(5)?, &place, form, depth + 1)?;
+        return offset::sheet(&parameters, basis, &place);
+    }
     let sheet = given(file, entity, outer)?;
     if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)
         && let Some((surface, flipped)) = recognise(spline, RECOGNISED * spline.size())
     {
-        return Ok(Sheet { surface, flipped, parameters: ParameterMap::same() });
+        return Ok(Sheet { surface, flipped, parameters: ParameterMap::same(), deviation: 0.0 });
     }
     Ok(sheet)
 }
@@ -114,7 +133,6 @@ fn given(file: &Directory, entity: u32, outer: &DAffine3) -> Mapped<Sheet> {
             let (surface, scale) = elementary(file, &parameters, entry.form == 1, &place)?;
             placed(&parameters, surface, &place, scale)
         }
-        140 => Err(parameters.problem("offset surfaces are not supported")),
         _ => Err(parameters.problem("this is no surface that can be read")),
     }
 }
@@ -127,13 +145,14 @@ fn placed(parameters: &Parameters, surface: Surface, place: &DAffine3, scale: DV
         let [x, y] = [frame.x, frame.y].map(|v| place.transform_vector3(v));
         let frame = Frame::from_axes(place.transform_point3(frame.origin), Some(x.cross(y)), Some(x));
         let parameters = ParameterMap { scale, arcs: [Vec::new(), Vec::new()] };
-        return Ok(Sheet { surface: Surface::Plane { frame }, flipped: false, parameters });
+        return Ok(Sheet { surface: Surface::Plane { frame }, flipped: false, parameters, deviation: 0.0 });
     }
     let (surface, flipped) = surface.transformed(place);
     // The parametric normal of the file's surface: a B-spline keeps its parameters under a mirror, and so does the file.
     let mirrors = place.matrix3.determinant() < 0.0;
     let flipped = if matches!(surface, Surface::Bspline(_)) { false } else { flipped ^ mirrors };
-    Ok(Sheet { surface, flipped, parameters: ParameterMap { scale, arcs: [Vec::new(), Vec::new()] } })
+    let parameters = ParameterMap { scale, arcs: [Vec::new(), Vec::new()] };
+    Ok(Sheet { surface, flipped, parameters, deviation: 0.0 })
 }
 
 /// Entity 108: `A x + B y + C z = D`.
@@ -168,9 +187,9 @@ fn parametric(parameters: &Parameters) -> Mapped<Surface> {
             let coefficient = |k: usize, l: usize| -> Mapped<DVec3> {
                 let index = at + 4 * l + k;
                 Ok(DVec3::new(
-                    parameters.real(index)?,
-                    parameters.real(index + 16)?,
-                    parameters.real(index + 32)?,
+                    parameters.within(index)?,
+                    parameters.within(index + 16)?,
+                    parameters.within(index + 32)?,
                 ))
             };
             let mut rows = [[DVec3::ZERO; 4]; 4];
@@ -220,7 +239,10 @@ fn bspline(parameters: &Parameters) -> Mapped<Surface> {
         for j in 0..counts[1] {
             let index = i + counts[0] * j;
             let weight = if even { 1.0 } else { weights[index] };
-            points.push(<Homogeneous3 as Homogeneous>::new(parameters.point(first + 3 * index)?, weight));
+            points.push(<Homogeneous3 as Homogeneous>::new(
+                parameters.point_within(first + 3 * index)?,
+                weight,
+            ));
         }
     }
     let fail = |error: crate::geometry::KnotError| parameters.problem(error.to_string());

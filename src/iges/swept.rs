@@ -23,7 +23,7 @@ fn sheet(
 ) -> Mapped<Sheet> {
     let surface = surface.map_err(|error| parameters.problem(error.to_string()))?;
     let parameters = ParameterMap { scale: DVec2::ONE, arcs };
-    Ok(Sheet { surface: Surface::Bspline(surface), flipped: false, parameters })
+    Ok(Sheet { surface: Surface::Bspline(surface), flipped: false, parameters, deviation: 0.0 })
 }
 
 /// Entity 122: the directrix, and the point to which its start moves.
@@ -63,7 +63,7 @@ pub fn revolved(file: &Directory, parameters: &Parameters, place: &DAffine3) -> 
 }
 
 /// `curve(u)` turned about an axis by angles from `angles[0]` to `angles[1]`, which the parameter v counts over `range`.
-fn turned(
+pub fn turned(
     curve: &BsplineCurve<Homogeneous3>,
     origin: DVec3,
     axis: DVec3,

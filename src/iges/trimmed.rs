@@ -1,4 +1,5 @@
-//! Faces without topology: trimmed surfaces (144 with 142), bounded surfaces (143 with 141), and surfaces that stand alone.
+//! Faces without topology: trimmed surfaces (144 with 142), bounded surfaces (143 with 141), bounded planes (108), and surfaces
+//! that stand alone.
 
 use super::boundary::{Bound, trim_loop};
 use super::curve::{self, Piece};
@@ -24,10 +25,22 @@ impl Reader<'_> {
         let mut face = match self.entry(entity).kind {
             144 => self.trimmed(entity),
             143 => self.bounded(entity),
+            108 => self.bounded_plane(entity),
             _ => self.bare(entity),
         }?;
-        face.color = style::color(&self.file, entity).or(inherited);
+        face.color = style::color(&self.file, entity).or(inherited).or_else(|| self.color_of_surface(entity));
         Ok(self.model.faces.push(face))
+    }
+
+    /// Trimmed surfaces without a colour may have one on the surface that they trim.
+    fn color_of_surface(&self, entity: u32) -> Option<Color> {
+        let at = match self.entry(entity).kind {
+            144 => 1,
+            143 => 2,
+            _ => return None,
+        };
+        let surface = self.file.parameters(entity).and_then(|p| p.reference(at)).ok()?;
+        style::color(&self.file, surface)
     }
 
     fn new_face(&self, entity: u32, used: &SurfaceUse, loops: Vec<TrimLoop>) -> Face {
@@ -53,10 +66,7 @@ impl Reader<'_> {
             match self.curve_on_surface(parameters.reference(5 + i)?, surface, &used, &place) {
                 Ok(found) => loops.extend(found),
                 // Without a hole a face is too large, but without the face there is a hole of its own size.
-                Err(problem) => self.report(
-                    Severity::Warning,
-                    Problem { reason: format!("hole lost: {}", problem.reason), ..problem },
-                ),
+                Err(problem) => self.report(Severity::Warning, hole_lost(problem)),
             }
         }
         if outer == 0 {
@@ -80,18 +90,19 @@ impl Reader<'_> {
             let parameters = self.file.parameters(entity)?;
             let place = placement::of(&self.file, entity, outer)?;
             let (flat, curve) = (parameters.pointer(3)?, parameters.pointer(4)?);
-            self.bounds_of(&parameters.problem("it has no curve"), flat, curve, surface, used, &place)?
+            let flat: Vec<u32> = (flat != 0).then_some(flat).into_iter().collect();
+            self.bounds_of(&parameters.problem("it has no curve"), &flat, curve, surface, used, &place)?
         } else {
             curve::pieces(&self.file, entity, outer)?.into_iter().map(Bound::from).collect()
         };
         Ok(trim_loop(&mut self.model, bounds, self.resolution))
     }
 
-    /// The curve in space where it can be read, else the one in the parameter plane.
+    /// The curve in space where it can be read, else those in the parameter plane.
     fn bounds_of(
         &mut self,
         none: &Problem,
-        flat: u32,
+        flat: &[u32],
         curve: u32,
         surface: u32,
         used: &SurfaceUse,
@@ -102,11 +113,11 @@ impl Reader<'_> {
             curve => curve::pieces(&self.file, curve, place),
         };
         match in_space {
-            Ok(pieces) if !pieces.is_empty() && (flat == 0 || !self.lies_elsewhere(&pieces, used)) => {
+            Ok(pieces) if !pieces.is_empty() && (flat.is_empty() || !self.lies_elsewhere(&pieces, used)) => {
                 Ok(pieces.into_iter().map(Bound::from).collect())
             }
-            Ok(_) if flat == 0 => Err(none.clone()),
-            Err(problem) if flat == 0 => Err(problem),
+            Ok(_) if flat.is_empty() => Err(none.clone()),
+            Err(problem) if flat.is_empty() => Err(problem),
             result => {
                 let problem = result.err().filter(|_| curve != 0);
                 let reason =
@@ -116,7 +127,11 @@ impl Reader<'_> {
                     let entity = problem.as_ref().map_or(curve, |p| p.entity);
                     self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
                 }
-                lifted::bounds(self, flat, surface, used, place)
+                let mut bounds = Vec::new();
+                for &flat in flat {
+                    bounds.append(&mut lifted::bounds(self, flat, surface, used, place)?);
+                }
+                Ok(bounds)
             }
         }
     }
@@ -173,9 +188,9 @@ impl Reader<'_> {
         for _ in 0..parameters.count(4, 3)? {
             let (curve, sense, flats) =
                 (parameters.pointer(at)?, parameters.integer(at + 1)?, parameters.count(at + 2, 1)?);
-            let flat = if flats == 1 { parameters.pointer(at + 3)? } else { 0 };
+            let flat = parameters.references(at + 3, flats);
             let none = parameters.problem("it has no curve");
-            let mut found = self.bounds_of(&none, flat, curve, surface, used, &place)?;
+            let mut found = self.bounds_of(&none, &flat, curve, surface, used, &place)?;
             // Parameter curves have a direction of their own.
             if sense == 2 && found.iter().all(|bound| bound.pcurve.is_none()) {
                 found.reverse();
@@ -187,13 +202,43 @@ impl Reader<'_> {
         Ok(bounds)
     }
 
+    /// Entity 108, form 1: the four coefficients, a closed curve. Its holes (form -1) refer to it by a single parent group.
+    fn bounded_plane(&mut self, entity: u32) -> Mapped<Face> {
+        let parameters = self.file.parameters(entity)?;
+        let place = placement::of(&self.file, entity, &self.unit)?;
+        let unit = self.unit;
+        let used = self.surface(entity, &unit, Form::Bounded)?;
+        let pieces = curve::pieces(&self.file, parameters.reference(5)?, &place)?;
+        let bounds = pieces.into_iter().map(Bound::from).collect();
+        let mut loops: Vec<TrimLoop> =
+            trim_loop(&mut self.model, bounds, self.resolution).into_iter().collect();
+        for hole in self.plane_holes.get(&entity).cloned().unwrap_or_default() {
+            let pieces = self.file.parameters(hole).and_then(|p| p.reference(5)).and_then(|curve| {
+                let place = placement::of(&self.file, hole, &self.unit)?;
+                curve::pieces(&self.file, curve, &place)
+            });
+            match pieces {
+                Ok(pieces) => {
+                    let bounds = pieces.into_iter().map(Bound::from).collect();
+                    loops.extend(trim_loop(&mut self.model, bounds, self.resolution));
+                }
+                Err(problem) => self.report(Severity::Warning, hole_lost(problem)),
+            }
+        }
+        let mut face = self.new_face(entity, &used, loops);
+        face.name = style::name(&self.file, &parameters, 10);
+        Ok(face)
+    }
+
     /// A surface that no other entity uses: a face as large as its parameters.
     fn bare(&mut self, entity: u32) -> Mapped<Face> {
         let unit = self.unit;
         let used = self.surface(entity, &unit, Form::Bounded)?;
         let mut loops = Vec::new();
         self.bound_naturally(entity, &used, &mut loops)?;
-        Ok(self.new_face(entity, &used, loops))
+        let mut face = self.new_face(entity, &used, loops);
+        face.name = style::label(&self.file, entity);
+        Ok(face)
     }
 
     /// Makes a surface's own bounds the outer boundary: nothing to do where it has no holes, else a loop along its sides.
@@ -212,4 +257,8 @@ impl Reader<'_> {
         loops.extend(trim_loop(&mut self.model, sides, self.resolution));
         Ok(())
     }
+}
+
+fn hole_lost(problem: Problem) -> Problem {
+    Problem { reason: format!("hole lost: {}", problem.reason), ..problem }
 }

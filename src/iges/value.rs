@@ -35,7 +35,10 @@ impl Default for Delimiters {
     }
 }
 
-/// The values of a record; the flag tells whether the record's end was found.
+/// No entity has more parameters: 200 MB of them. A surface of a million control points has four million.
+pub const MOST_VALUES: usize = 1 << 23;
+
+/// The values of a record, up to one more than [`MOST_VALUES`]; the flag tells whether the record's end was found.
 pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
     let mut values = Vec::new();
     let mut at = 0;
@@ -43,7 +46,7 @@ pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
         let (value, after) = value(text, at, delimiters);
         values.push(value);
         match text.get(after) {
-            Some(&byte) if byte == delimiters.parameter => at = after + 1,
+            Some(&byte) if byte == delimiters.parameter && values.len() <= MOST_VALUES => at = after + 1,
             Some(_) => return (values, true),
             None => return (values, false),
         }
@@ -83,18 +86,19 @@ fn hollerith(text: &[u8], at: usize) -> Option<(usize, usize)> {
     Some((mark + 1, count))
 }
 
-/// A finite number: integer, or real with an exponent by E or D.
+/// A finite number: integer, or real with an exponent by E or D. Blanks within it count for nothing, as in FORTRAN.
 pub fn number(field: &[u8]) -> Option<f64> {
     let first = *field.first()?;
     if !(first.is_ascii_digit() || matches!(first, b'+' | b'-' | b'.')) {
         return None;
     }
     let mut buffer = [0; 64];
-    let buffer = buffer.get_mut(..field.len())?;
-    for (to, from) in buffer.iter_mut().zip(field) {
-        *to = if matches!(from, b'd' | b'D') { b'e' } else { *from };
+    let mut length = 0;
+    for from in field.iter().filter(|byte| **byte != b' ') {
+        *buffer.get_mut(length)? = if matches!(from, b'd' | b'D') { b'e' } else { *from };
+        length += 1;
     }
-    let text = std::str::from_utf8(buffer).ok()?;
+    let text = std::str::from_utf8(&buffer[..length]).ok()?;
     let parsed = text.parse::<f64>().ok().or_else(|| {
         // FORTRAN leaves the letter out before exponents of three digits: 1.5-120.
         let sign = text.rfind(['+', '-']).filter(|at| *at > 0)?;
@@ -127,6 +131,23 @@ mod tests {
             Bad,
         ];
         assert_eq!(values, expected);
+    }
+
+    #[test]
+    fn numbers_as_fortran_writes_them() {
+        for (text, expected) in [
+            ("1.D0", 1.0),
+            ("1.0E+00", 1.0),
+            ("1.", 1.0),
+            (".5", 0.5),
+            ("-.5D-3", -5e-4),
+            ("+3", 3.0),
+            ("1.5-120", 1.5e-120),
+            ("- 2.5 d 1", -25.0),
+            ("1.0e01", 10.0),
+        ] {
+            assert_eq!(number(text.as_bytes()), Some(expected), "{text}");
+        }
     }
 
     #[test]

@@ -20,6 +20,17 @@ pub struct SyntaxError {
 /// Lists may be nested this deep; no schema needs more than 3.
 const MAX_DEPTH: usize = 32;
 
+/// A statement may not have more values than this, each list counted as [`LIST_VALUES`] more for its own memory: 200 MB.
+/// A surface of a million control points has two million, its weights included.
+const MAX_VALUES: usize = 1 << 22;
+const LIST_VALUES: usize = 4;
+
+/// Keywords are looked for in this many bytes.
+const MAX_KEYWORD: usize = 256;
+
+/// Statements that are plainly a point or a direction are shorter than this.
+const MAX_TRIPLE: usize = 1024;
+
 /// `word` in upper case.
 pub fn upper_case(word: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(word) {
@@ -31,12 +42,13 @@ pub fn upper_case(word: &[u8]) -> Cow<'_, str> {
 /// The keyword that a statement's body begins with, as written; empty for complex instances.
 pub fn leading_keyword(body: &[u8]) -> &[u8] {
     let start = skip_blank(body, 0);
-    &body[start..keyword_end(body, start)]
+    let word = &body[start..body.len().min(start + MAX_KEYWORD)];
+    &word[..keyword_end(word, 0)]
 }
 
 /// Decodes the body of statement `id`, which is `bytes[body]`.
 pub fn decode(bytes: &[u8], id: u64, body: std::ops::Range<usize>) -> Result<Entity<'_>, SyntaxError> {
-    let mut cursor = Cursor { bytes: &bytes[..body.end], at: body.start };
+    let mut cursor = Cursor { bytes: &bytes[..body.end], at: body.start, left: MAX_VALUES };
     cursor.skip_blank();
     let mut records = Vec::with_capacity(1);
     if cursor.take(b'(') {
@@ -56,7 +68,10 @@ pub fn decode(bytes: &[u8], id: u64, body: std::ops::Range<usize>) -> Result<Ent
 /// The numbers of `keyword('..',(x,y,z))`, up to three and the missing ones 0: what most statements of a file are, read
 /// without a record. `None` where it is anything else, right or wrong; [`decode`] tells.
 pub fn triple(bytes: &[u8], body: std::ops::Range<usize>, keyword: &[u8]) -> Option<[f64; 3]> {
-    let mut cursor = Cursor { bytes: &bytes[..body.end], at: body.start };
+    if body.len() > MAX_TRIPLE {
+        return None;
+    }
+    let mut cursor = Cursor { bytes: &bytes[..body.end], at: body.start, left: 0 };
     cursor.skip_blank();
     if !cursor.bytes[cursor.at..].starts_with(keyword) {
         return None;
@@ -88,11 +103,11 @@ pub fn triple(bytes: &[u8], body: std::ops::Range<usize>, keyword: &[u8]) -> Opt
 
 /// Decodes the records of a header section.
 pub fn decode_header(bytes: &[u8], header: std::ops::Range<usize>) -> Vec<Record<'_>> {
-    let mut cursor = Cursor { bytes: &bytes[..header.end], at: header.start };
+    let mut cursor = Cursor { bytes: &bytes[..header.end], at: header.start, left: MAX_VALUES };
     let mut records = Vec::new();
     loop {
         cursor.skip_blank();
-        if cursor.at >= cursor.bytes.len() {
+        if cursor.at >= cursor.bytes.len() || cursor.left == 0 {
             return records;
         }
         match cursor.record() {
@@ -112,6 +127,8 @@ pub fn decode_header(bytes: &[u8], header: std::ops::Range<usize>) -> Vec<Record
 struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// How many more values there may be.
+    left: usize,
 }
 
 impl<'a> Cursor<'a> {
@@ -160,10 +177,13 @@ impl<'a> Cursor<'a> {
         let mut values = Vec::new();
         self.skip_blank();
         if self.take(b')') {
+            self.charge(1)?;
             return Ok(values);
         }
+        self.charge(LIST_VALUES)?;
         loop {
             self.skip_blank();
+            self.charge(1)?;
             values.push(if matches!(self.peek(), Some(b',' | b')')) {
                 Value::Unset
             } else {
@@ -177,6 +197,12 @@ impl<'a> Cursor<'a> {
                 return Err(self.expected("expected `,` or `)`"));
             }
         }
+    }
+
+    fn charge(&mut self, count: usize) -> Result<(), SyntaxError> {
+        let left = self.left.checked_sub(count);
+        self.left = left.unwrap_or(0);
+        left.map(|_| ()).ok_or_else(|| self.expected("the statement has too many values"))
     }
 
     fn value(&mut self, depth: usize) -> Result<Value<'a>, SyntaxError> {

@@ -16,7 +16,7 @@ use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::{MAX_CHAIN, Problem, Reader};
 use super::roots;
 use super::units::{self, Units};
-use crate::brep::{Id, Part, Severity};
+use crate::brep::{Diagnostic, Id, Part, Severity};
 use std::collections::{HashMap, HashSet};
 
 /// A representation: `(name, items, context)`.
@@ -275,11 +275,9 @@ impl Assembly {
         if left > 0 {
             let first = reader.open_faces.iter().copied().min().unwrap_or(0);
             let reason = format!("{left} faces belong to no body of a product, such as #{first}");
-            let kind = reader.keyword(first).into_owned();
-            reader.report(Severity::Dropped, Problem { entity: first, kind, reason });
-            if let Some(diagnostic) = reader.model.diagnostics.last_mut() {
-                diagnostic.faces = u32::try_from(left).unwrap_or(u32::MAX);
-            }
+            let faces = u32::try_from(left).unwrap_or(u32::MAX);
+            let finding = Diagnostic::new(Severity::Dropped, first, reader.keyword(first), reason);
+            reader.model.diagnostics.push(Diagnostic { faces, ..finding });
             reader.open_faces.clear();
         }
     }

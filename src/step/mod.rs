@@ -30,6 +30,7 @@ mod map_swept;
 mod map_tessellated;
 mod map_topology;
 mod pages;
+mod reach;
 mod reader;
 mod roots;
 mod rows;
@@ -56,12 +57,18 @@ mod tests;
 use crate::brep::{Model, Severity};
 use reader::{Problem, Reader};
 
-pub use encoding::is_exchange_structure;
+pub use encoding::{is_exchange_structure, utf8};
+pub use reach::decode_shape;
+pub use scan::Index;
 
 /// Reads a STEP file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there is no exchange
 /// structure or no entity in it.
 pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
-    let bytes = &*encoding::utf8(bytes);
+    scan(&utf8(bytes)).map(map)
+}
+
+/// The first stage: finds the statements of an exchange structure that is ASCII or UTF-8. Fails where there are none.
+pub fn scan(bytes: &[u8]) -> Result<Index<'_>, StepError> {
     if !scan::is_exchange_structure(bytes) {
         return Err(StepError::NotStep);
     }
@@ -75,6 +82,11 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
             },
         });
     }
+    Ok(index)
+}
+
+/// The second stage: maps what the statements say, each decoded when it is reached.
+pub fn map(index: Index<'_>) -> Model {
     let mut reader = Reader::new(index);
     reader.model.source = header::source(&reader.index);
     for fault in std::mem::take(&mut reader.index.faults) {
@@ -93,7 +105,17 @@ pub fn read(bytes: &[u8]) -> Result<Model, StepError> {
     let styles = map_style::read(&mut reader, &catalog.styled_items);
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
-    Ok(reader.model)
+    reader.model
+}
+
+/// Scans a file and decodes each of its statements, maps none: how many are sound, and how many faults there are.
+pub fn count_statements(bytes: &[u8]) -> (usize, usize) {
+    let index = scan::index(bytes);
+    let decodes = |statement: &&scan::Statement| {
+        decode::decode(index.bytes, statement.id, statement.body.clone()).is_ok()
+    };
+    let sound = index.statements.iter().filter(decodes).count();
+    (sound, index.statements.len() - sound + index.faults.len() + index.further_faults)
 }
 
 /// Why a file is no STEP file.

@@ -30,6 +30,10 @@ pub type Mapped<T> = Result<T, Problem>;
 /// cyclic or hostile.
 pub const MAX_CHAIN: usize = 16;
 
+/// All in all this many times the file's bytes are decoded, plus [`FREE_BYTES`]. Real files need less than one time.
+const MOST_DECODINGS: usize = 16;
+const FREE_BYTES: usize = 1 << 20;
+
 /// A mapped surface as its faces need it.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceUse {
@@ -66,6 +70,9 @@ pub struct Reader<'a> {
     budget: Cell<usize>,
     /// Mapped items, context-dependent shape representations and relationships whose placement the file marks as invisible.
     pub hidden_placements: HashSet<u64>,
+    /// How many more bytes of statements may be decoded. A statement is decoded again whenever it is reached again; a long one
+    /// that many others refer to would make that quadratic.
+    to_decode: Cell<usize>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -74,8 +81,11 @@ impl<'a> Reader<'a> {
     /// A reader at the start.
     pub fn new(index: Index<'a>) -> Self {
         let budget = Cell::new(index.bytes.len());
+        let to_decode =
+            Cell::new(index.bytes.len().saturating_mul(MOST_DECODINGS).saturating_add(FREE_BYTES));
         Self {
             budget,
+            to_decode,
             index,
             model: Model::default(),
             units: Units::default(),
@@ -102,12 +112,16 @@ impl<'a> Reader<'a> {
             },
         })?;
         let bytes = self.index.bytes;
-        decode::decode(bytes, id, statement.body.clone()).map_err(|error| Problem {
+        let fail = |reason: String| Problem {
             entity: id,
             kind: String::from_utf8_lossy(decode::leading_keyword(&bytes[statement.body.clone()]))
                 .into_owned(),
-            reason: format!("line {}: {}", self.index.line(error.at), error.reason),
-        })
+            reason,
+        };
+        let left = self.to_decode.get().checked_sub(statement.body.len());
+        self.to_decode.set(left.ok_or_else(|| fail("the file refers to long statements too often".into()))?);
+        decode::decode(bytes, id, statement.body.clone())
+            .map_err(|error| fail(format!("line {}: {}", self.index.line(error.at), error.reason)))
     }
 
     /// The records of entity `id` with their parameters as they are written; none where it is missing.

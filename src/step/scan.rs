@@ -10,8 +10,8 @@
 //! Scopes of edition 1 are flattened: what is inside is as visible as everything else. References to other files
 //! (edition 3) are kept apart.
 //!
-//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
-//! and do not overlap; memory is linear in the number of statements.
+//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of
+//! several counts); ranges are inside the file and do not overlap; memory is linear in the number of statements.
 
 use memchr::{memchr, memmem};
 use std::cell::OnceCell;
@@ -70,12 +70,17 @@ impl Index<'_> {
 
     /// The statement with this id.
     pub fn find(&self, id: u64) -> Option<&Statement> {
+        self.position(id).map(|at| &self.statements[at])
+    }
+
+    /// The index of the statement with this id.
+    pub fn position(&self, id: u64) -> Option<usize> {
         // Most files number their instances without gaps.
         let offset = usize::try_from(id.checked_sub(self.statements.first()?.id)?).ok()?;
-        if let Some(statement) = self.statements.get(offset).filter(|s| s.id == id) {
-            return Some(statement);
+        if self.statements.get(offset).is_some_and(|s| s.id == id) {
+            return Some(offset);
         }
-        self.statements.binary_search_by_key(&id, |s| s.id).ok().map(|at| &self.statements[at])
+        self.statements.binary_search_by_key(&id, |s| s.id).ok()
     }
 
     /// Whether a reference section says that this instance stands in another file.

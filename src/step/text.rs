@@ -75,7 +75,8 @@ fn directive(text: &str, page: &mut u8, out: &mut String) -> Option<usize> {
 
 /// Decodes groups of `width` hexadecimal digits up to `\X0\` and returns the length consumed.
 fn coded(hex: &str, width: usize, out: &mut String) -> Option<usize> {
-    let length = hex.find("\\X0\\")?;
+    let length =
+        hex.bytes().position(|b| !b.is_ascii_hexdigit()).filter(|&at| hex[at..].starts_with("\\X0\\"))?;
     let digits = &hex.as_bytes()[..length];
     let mut units = Vec::with_capacity(length / width);
     for group in digits.chunks(width) {

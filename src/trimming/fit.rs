@@ -85,7 +85,9 @@ impl Fitter<'_> {
             Curve::Bspline(spline) => {
                 let (low, high) = (a.min(b), a.max(b));
                 let knots = spline.knots.as_slice();
-                let inside = knots.windows(2).filter(|w| w[0] < w[1] && w[0] < high && w[1] > low).count();
+                let from = knots.partition_point(|knot| *knot <= low).saturating_sub(1);
+                let to = knots.partition_point(|knot| *knot < high);
+                let inside = knots[from..].windows(2).take(to - from.min(to)).filter(|w| w[0] < w[1]).count();
                 (inside.max(1) * spline.knots.degree().clamp(2, 4)).clamp(4, 512)
             }
         }

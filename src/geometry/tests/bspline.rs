@@ -124,7 +124,7 @@ fn bezier_pieces_are_the_curve() {
 fn bezier_patches_are_the_surface_and_share_boundaries() {
     samples::check(300, |u| {
         let surface = samples::surface(u)?;
-        let patches = decompose_surface(&surface);
+        let patches = decompose_surface(&surface).collect::<Vec<_>>();
         let v_spans = surface.v_knots.spans().count();
         assert_eq!(patches.len(), v_spans * surface.u_knots.spans().count());
         for (n, span) in patches.iter().enumerate() {
@@ -161,7 +161,7 @@ fn bezier_patches_are_the_surface_and_share_boundaries() {
 fn pieces_of_patches_are_the_patch_and_share_boundaries() {
     samples::check(300, |u| {
         let surface = samples::surface(u)?;
-        let patch = decompose_surface(&surface).swap_remove(0).patch;
+        let patch = decompose_surface(&surface).next().expect("a patch").patch;
         let cut = samples::number(u, 0.05, 0.95)?;
         let (left, right) = (patch.piece([0.1, cut], [0.2, 0.7]), patch.piece([cut, 1.0], [0.2, 0.7]));
         let [p, q] = patch.degrees;
