@@ -244,16 +244,23 @@ fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
 /// Coordinates of piece ends, mostly few.
 type Coordinates = SmallVec<[f32; FEW_PIECES]>;
 
-/// Planes to try: beside the ends of few pieces, evenly spaced for many.
+/// Planes to try: those that just leave a piece on one side for few pieces, evenly spaced for many.
 fn candidates(cell: &Cell, axis: usize, least: &[f32], greatest: &[f32]) -> SmallVec<[u32; 64]> {
     if least.len() > FEW_PIECES {
         return (1..EVEN_CANDIDATES).map(|i| i * (PLANE_STEPS / EVEN_CANDIDATES)).collect();
     }
+    let (low, size) = (cell.low[axis], cell.size[axis]);
+    let below = |end: f32| ((end - low) / size * PLANE_STEPS as f32) as u32;
     let mut planes = SmallVec::from_slice(&[PLANE_STEPS / 2]);
-    for end in least.iter().chain(greatest) {
-        let step = ((end - cell.low[axis]) / cell.size[axis] * PLANE_STEPS as f32).floor() as u32;
-        planes.extend([step, step + 1].into_iter().filter(|&plane| plane > 0 && plane < PLANE_STEPS));
-    }
+    planes.extend(least.iter().map(|&end| {
+        let plane = below(end);
+        plane - u32::from(plane > 0 && split_position(low, size, plane) > end)
+    }));
+    planes.extend(greatest.iter().map(|&end| {
+        let plane = below(end);
+        plane + u32::from(split_position(low, size, plane) < end)
+    }));
+    planes.retain(|plane| (1..PLANE_STEPS).contains(plane));
     planes.sort_unstable();
     planes.dedup();
     planes

@@ -13,11 +13,13 @@ use std::collections::HashSet;
 /// Whether entities of this kind are left out on purpose: points, curves and texts, most of them product and manufacturing
 /// information.
 pub fn is_left_out(keyword: &str) -> bool {
-    const DRAWN: [&str; 7] = [
+    const DRAWN: [&str; 9] = [
         "TESSELLATED_CURVE_SET",
         "TESSELLATED_POINT_SET",
         "TESSELLATED_WIRE",
         "GEOMETRIC_CURVE_SET",
+        "SHELL_BASED_WIREFRAME_MODEL",
+        "EDGE_BASED_WIREFRAME_MODEL",
         "ANNOTATION_PLANE",
         "ANNOTATION_TEXT",
         "DRAUGHTING_CALLOUT",
