@@ -10,7 +10,8 @@ use super::value::Value;
 use crate::brep::{Diagnostic, Severity};
 use std::collections::HashSet;
 
-/// Whether entities of this kind are left out on purpose: points, curves and texts, most of them product and manufacturing information.
+/// Whether entities of this kind are left out on purpose: points, curves and texts, most of them product and manufacturing
+/// information.
 pub fn is_left_out(keyword: &str) -> bool {
     const DRAWN: [&str; 9] = [
         "TESSELLATED_CURVE_SET",

@@ -45,6 +45,7 @@ mod roots;
 mod rows;
 mod scan;
 mod sweep;
+mod tessellated_item;
 mod text;
 mod units;
 mod unreached;

@@ -27,7 +27,7 @@ pub fn map(assembly: &mut Assembly, reader: &mut Reader, catalog: &Catalog, styl
     });
     let nothing_else = is_empty && bodies.is_empty();
     if !nothing_else {
-        leave_out(reader, &others.operands, "only serves to make another solid");
+        leave_out(reader, &others.operands, "only serves to make other solids");
     }
     if !bodies.is_empty() || !reader.open_faces.is_empty() {
         map_loose(assembly, reader, bodies, styles);
