@@ -56,8 +56,7 @@ pub(super) fn report_unplaced(findings: &mut Diagnostics, model: &Model, placed:
             let severity = if is_hidden { Severity::Hidden } else { Severity::Dropped };
             let place = if is_hidden { "invisibly" } else { "nowhere" };
             let reason = format!("part '{}' is placed {place}", part.name);
-            findings
-                .push(Diagnostic { faces, ..Diagnostic::new(severity, part.entity, "PRODUCT", reason) });
+            findings.push(Diagnostic { faces, ..Diagnostic::new(severity, part.entity, "PRODUCT", reason) });
         }
     }
 }

@@ -18,6 +18,9 @@ use rayon::prelude::*;
 /// The highest degree that kernels evaluate.
 const MAX_DEGREE: usize = 25;
 
+/// Spans of one surface that wait in memory together.
+const SPANS_AT_ONCE: usize = 64;
+
 /// The nets of a face; indices count from its own arrays.
 #[derive(Debug, Default)]
 pub(super) struct Nets {
@@ -67,12 +70,18 @@ pub(super) fn bake_nets(
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
         Ok(BakedSpan { domain, degrees, points, leaves, is_mixed })
     };
-    // The spans of one large face are as many tasks.
-    let spans: Vec<BakedSpan> =
-        decompose_surface(surface).into_par_iter().map(bake_span).collect::<Result<_, _>>()?;
     let mut nets = Nets::default();
-    for span in spans {
-        nets.add(span, is_rational);
+    let mut spans = decompose_surface(surface);
+    loop {
+        // The spans of one large face are as many tasks, some at a time: patches that no trim touches are not kept.
+        let some: Vec<PatchSpan> = spans.by_ref().take(SPANS_AT_ONCE).collect();
+        if some.is_empty() {
+            break;
+        }
+        let baked: Vec<BakedSpan> = some.into_par_iter().map(bake_span).collect::<Result<_, _>>()?;
+        for span in baked {
+            nets.add(span, is_rational);
+        }
     }
     if nets.leaves.is_empty() {
         return Err("its trims leave nothing of the surface".into());

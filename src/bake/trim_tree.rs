@@ -118,8 +118,8 @@ impl Builder<'_> {
             pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
-        let mut near = Vec::new();
-        let mut far = Vec::new();
+        let mut near = Vec::with_capacity(pieces.len());
+        let mut far = Vec::with_capacity(pieces.len());
         for piece in &pieces {
             let [below, above] = self.region.clip(piece, axis, position);
             near.extend(below);

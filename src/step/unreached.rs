@@ -7,7 +7,7 @@ use super::map_style::Styles;
 use super::map_topology::{BODY_KEYWORDS, GENERATED};
 use super::reader::{Problem, Reader};
 use super::value::Value;
-use crate::brep::{Part, Severity};
+use crate::brep::{Diagnostic, Part, Severity};
 use std::collections::HashSet;
 
 /// Maps what is left.
@@ -114,8 +114,8 @@ fn leave_out(reader: &mut Reader, bodies: &HashSet<u64>, why: &str) {
 }
 
 fn report_faces(reader: &mut Reader, severity: Severity, problem: Problem, faces: usize) {
-    reader.report(severity, problem);
-    if let Some(diagnostic) = reader.model.diagnostics.last_mut() {
-        diagnostic.faces = u32::try_from(faces).unwrap_or(u32::MAX);
-    }
+    let Problem { entity, kind, reason } = problem;
+    let mut diagnostic = Diagnostic::new(severity, entity, kind, reason);
+    diagnostic.faces = u32::try_from(faces).unwrap_or(u32::MAX);
+    reader.model.diagnostics.push(diagnostic);
 }
