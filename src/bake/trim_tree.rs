@@ -118,8 +118,8 @@ impl Builder<'_> {
             pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
-        let mut near = Vec::new();
-        let mut far = Vec::new();
+        let mut near = Vec::with_capacity(pieces.len());
+        let mut far = Vec::with_capacity(pieces.len());
         // The walk to the corner's state passes below a piece that rises from the corner. Where clipping rounds the
         // first part of it onto the bottom edge, the walk is above it.
         let mut near_inside = inside;
