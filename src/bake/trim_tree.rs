@@ -142,6 +142,7 @@ impl Builder<'_> {
         let (mut near_cell, far_cell) = (child(false), child(true));
         near_cell.high[axis] = position;
         let far_inside = state_beyond(cell.low, far_cell.low, inside, near.iter().chain(&far));
+        let near_inside = near.iter().fold(inside, |state, piece| state ^ lies_below_walk(&cell, piece));
 
         let word = self.tree.nodes.len();
         self.tree.nodes.push(0);
@@ -192,6 +193,12 @@ fn tidy(cell: &Cell, pieces: &mut Vec<Piece>) {
     let on_edge =
         |piece: &Piece, axis| piece.lies_at(axis, cell.low[axis]) || piece.lies_at(axis, cell.high[axis]);
     pieces.retain(|piece| !on_edge(piece, 0) && !on_edge(piece, 1));
+}
+
+/// Whether `piece` rose from the lower left corner of `cell` until clipping rounded it onto the bottom edge: the walk, which started below it, now
+/// starts above it.
+fn lies_below_walk(cell: &Cell, piece: &Piece) -> bool {
+    piece.low == cell.low && piece.lies_at(1, cell.low[1])
 }
 
 /// The state of the lower left corner, `corner`, of the upper or right child of a cell that starts at `low`.
