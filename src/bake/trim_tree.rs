@@ -120,13 +120,8 @@ impl Builder<'_> {
         };
         let mut near = Vec::with_capacity(pieces.len());
         let mut far = Vec::with_capacity(pieces.len());
-        // The walk to the corner's state passes below a piece that rises from the corner. Where clipping rounds the
-        // first part of it onto the bottom edge, the walk is above it.
-        let mut near_inside = inside;
         for piece in &pieces {
             let [below, above] = self.region.clip(piece, axis, position);
-            let rises = |piece: &Piece| piece.low == cell.low && piece.high[1] > cell.low[1];
-            near_inside ^= rises(piece) && below.is_some_and(|part| part.lies_at(1, cell.low[1]));
             near.extend(below);
             far.extend(above);
         }
