@@ -152,7 +152,8 @@ fn circles_of_placements_and_styles_are_cut() {
 #[test]
 fn circles_in_iges_files_are_cut() {
     let bounded = "0.,0.,0.,0.,1.,0.,0.";
-    let cases: [(&str, Vec<(u32, i32, u32, &str)>, &str); 9] = [
+    type Entities<'a> = Vec<(u32, i32, u32, &'a str)>;
+    let cases: [(&str, Entities, &str); 9] = [
         ("group", vec![(402, 7, 0, "2,1,3"), (402, 7, 0, "1,1"), (308, 0, 0, "0,1Ha,2,1,3")], ""),
         ("subfigure", vec![(308, 0, 0, "0,1Ha,1,3"), (408, 0, 0, "1,0.,0.,0.,1.")], "circle"),
         (
