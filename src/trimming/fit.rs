@@ -267,6 +267,17 @@ impl Fitter<'_> {
         Ok((true, bound(&offs)))
     }
 
+    /// A bound of the distance over all of a span that does not hold.
+    fn bound_of(&self, segment: &Segment, a: &Node, b: &Node) -> f64 {
+        let mut offs = [a.off; CHECKS.len() + 2];
+        offs[CHECKS.len() + 1] = b.off;
+        for (off, s) in offs[1..].iter_mut().zip(CHECKS) {
+            *off = self.target.surface.point(point_at(segment, s))
+                - self.piece.curve.point(a.t + s * (b.t - a.t));
+        }
+        bound(&offs)
+    }
+
     fn refine(&self, a: &Node, b: &Node, depth: u32, state: &mut Refinement) -> Result<(), TrimError> {
         let segment = self.hermite(a, b);
         let (good, worst) = self.check(&segment, a, b)?;
@@ -278,7 +289,8 @@ impl Fitter<'_> {
                     self.piece.entity
                 )));
             }
-            state.deviation = state.deviation.max(worst);
+            let bound = if good { worst } else { self.bound_of(&segment, a, b) };
+            state.deviation = state.deviation.max(bound);
             state.segments.push(segment);
             return Ok(());
         }
