@@ -141,6 +141,15 @@ fn axis_parallel_edges() {
     check("hole at a corner", vec![unit.clone(), hole(0.0, 0.5)], 3000);
     check("holes off planes", vec![unit, hole(0.1, 0.3), hole(0.31, 0.9)], 3000);
     let p = |x: f64, y: f64| DVec2::new(x, y);
+    // Sides that are off the axes by the last bit: cells clip pieces of them onto the axes.
+    let holes =
+        || (0..4).flat_map(|i| (0..4).map(move |j| DVec2::new(f64::from(i), f64::from(j)) * 0.23 + 0.05));
+    for turn in 0..4 {
+        let bits = f64::EPSILON * DVec2::from([[1.0, 1.0], [2.0, 1.0], [1.0, 3.0], [0.7, 0.4]][turn]);
+        let outline = polygon(&[p(bits.x, 0.0), p(1.0, bits.y), p(1.0 - bits.x, 1.0), p(0.0, 1.0 - bits.y)]);
+        let holes = holes().map(|low| rectangle(low, low + 0.2));
+        check("a rectangle turned by rounding", std::iter::once(outline).chain(holes).collect(), 3000);
+    }
     let stairs = polygon(&[
         p(0.0, 0.0),
         p(1.0, 0.0),

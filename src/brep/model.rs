@@ -22,6 +22,9 @@ pub struct Model {
     pub parts: Arena<Part>,
     /// The parts that stand at the top of the product tree.
     pub roots: Vec<Id<Part>>,
+    /// Parts that the file places invisibly, and those in them; one that stands elsewhere as well is visible there.
+    /// Sorted.
+    pub hidden_parts: Vec<Id<Part>>,
     /// How many B-spline surfaces became elementary ones, by [`Surface::kind`].
     pub recognised: BTreeMap<&'static str, usize>,
     /// Faces that the file declares, imported or not.

@@ -17,7 +17,7 @@ use super::TrimError;
 use super::pcurve::Piece;
 use super::pole::Pole;
 use super::segment::{Segment, cubic, point_at};
-use super::target::{Foot, OFF_SURFACE, Target};
+use super::target::{OFF_SURFACE, Target};
 use crate::geometry::{Curve, SurfaceDerivatives};
 use glam::{DVec2, DVec3};
 
@@ -258,9 +258,7 @@ impl Fitter<'_> {
             if near <= 0.5 * tolerance {
                 return Ok((false, worst));
             }
-            let (Foot { uv, distance: off }, _) =
-                self.target.foot(point, Some(uv), near, self.piece.entity)?;
-            if self.target.surface.point(uv).distance(image) > tolerance.max(0.02 * off.max(near)) {
+            if self.distance_to_foot(uv, point)? > tolerance.max(0.02 * distance.max(near)) {
                 return Ok((false, worst));
             }
         }
@@ -276,6 +274,29 @@ impl Fitter<'_> {
                 - self.piece.curve.point(a.t + s * (b.t - a.t));
         }
         bound(&offs)
+    }
+
+    /// How far the surface point at `uv` is from the foot of `point`, which is near it: the length of the Gauss-Newton step, which ends at the
+    /// border where the surface does; by projection where there is no such step.
+    fn distance_to_foot(&self, uv: DVec2, point: DVec3) -> Result<f64, TrimError> {
+        let d = self.target.surface.derivatives(uv);
+        let way = point - d.point;
+        let mut step = rate(&d, way);
+        if step == DVec2::ZERO {
+            let (foot, _) = self.target.foot(point, Some(uv), way.length(), self.piece.entity)?;
+            return Ok(self.target.surface.point(foot.uv).distance(d.point));
+        }
+        let tangents = [d.du, d.dv];
+        let within = |step: DVec2| self.target.clamped(uv + step);
+        let held = within(step);
+        if let Some(axis) = (0..2).find(|&axis| held[axis] != uv[axis] + step[axis]) {
+            // One parameter stands at the border: the other one is the best beside it.
+            let (along, other) = (tangents[axis] * (held[axis] - uv[axis]), 1 - axis);
+            step[axis] = held[axis] - uv[axis];
+            step[other] = (way - along).dot(tangents[other]) / tangents[other].length_squared();
+            step[other] = within(step)[other] - uv[other];
+        }
+        Ok((d.du * step.x + d.dv * step.y).length())
     }
 
     fn refine(&self, a: &Node, b: &Node, depth: u32, state: &mut Refinement) -> Result<(), TrimError> {
