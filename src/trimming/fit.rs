@@ -265,6 +265,17 @@ impl Fitter<'_> {
         Ok((true, bound(&offs)))
     }
 
+    /// A bound of the distance over all of a span that does not hold.
+    fn bound_of(&self, segment: &Segment, a: &Node, b: &Node) -> f64 {
+        let mut offs = [a.off; CHECKS.len() + 2];
+        offs[CHECKS.len() + 1] = b.off;
+        for (off, s) in offs[1..].iter_mut().zip(CHECKS) {
+            *off = self.target.surface.point(point_at(segment, s))
+                - self.piece.curve.point(a.t + s * (b.t - a.t));
+        }
+        bound(&offs)
+    }
+
     /// How far the surface point at `uv` is from the foot of `point`, which is near it: the length of the Gauss-Newton step, which ends at the
     /// border where the surface does; by projection where there is no such step.
     fn distance_to_foot(&self, uv: DVec2, point: DVec3) -> Result<f64, TrimError> {
@@ -299,7 +310,8 @@ impl Fitter<'_> {
                     self.piece.entity
                 )));
             }
-            state.deviation = state.deviation.max(worst);
+            let bound = if good { worst } else { self.bound_of(&segment, a, b) };
+            state.deviation = state.deviation.max(bound);
             state.segments.push(segment);
             return Ok(());
         }

@@ -138,6 +138,12 @@ fn image_between(
         let mut segments = fitted.segments;
         if let (Some(before), Some(first)) = (image.segments.last(), segments.first_mut()) {
             let joint = end(before);
+            // Neither the moved end nor a link is farther from the edge than the two ends are apart.
+            let apart = joint - start(first);
+            if apart != DVec2::ZERO {
+                let metric = target.metric(joint).max(target.metric(start(first)));
+                image.deviation += (apart * metric).length();
+            }
             if start(first).distance(joint) <= 1e-3 * (end(first).distance(start(first))) {
                 set_start(first, joint);
             } else if start(first) != joint {
