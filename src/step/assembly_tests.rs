@@ -36,6 +36,23 @@ fn occurrences_are_placed_whatever_the_order_of_the_relationship() {
 }
 
 #[test]
+fn a_body_belongs_to_its_product_even_where_a_shape_aspect_names_it_first() {
+    let aspect = "#602=SHAPE_REPRESENTATION('',(#1),#900);#604=SHAPE_DEFINITION_REPRESENTATION(#605,#602);\
+                  #605=PROPERTY_DEFINITION('','shape with which properties are associated',#606);\
+                  #606=SHAPE_ASPECT('','Solid',#503,.F.);";
+    let joined =
+        "#600=SHAPE_REPRESENTATION('',(#4),#900);#601=SHAPE_REPRESENTATION_RELATIONSHIP('','',#600,#2);";
+    let component = placed("#600,#705", "#4,#706")
+        .replace("SHAPE_DEFINITION_REPRESENTATION(#503,#2)", "SHAPE_DEFINITION_REPRESENTATION(#503,#600)");
+    let model = model(&format!("{aspect}{component}{joined}"));
+    assert_eq!(model.diagnostics, []);
+    let (found, _) = occurrences(&model);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].path, "assembly/first cube");
+    assert_eq!(model.parts[found[0].part].name, "W\u{fc}rfel");
+}
+
+#[test]
 fn mapped_items_may_mirror_and_scale() {
     let model = model(
         &(cube("#900")

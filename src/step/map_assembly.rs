@@ -63,7 +63,7 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
 }
 
 pub struct Assembly {
-    /// In the order of mapping: those of products first.
+    /// In the order of mapping: those of products and those joined to them first.
     pub order: Vec<u64>,
     pub representations: HashMap<u64, Representation>,
     pub groups: Groups,
@@ -121,6 +121,7 @@ impl Assembly {
             assembly.include(reader, id);
         }
         assembly.relate(reader, catalog);
+        assembly.put_products_first();
         for &id in &assembly.order {
             let group = assembly.groups.find(id);
             assembly.members.entry(group).or_default().push(id);
@@ -175,6 +176,14 @@ impl Assembly {
                 self.groups.join(first, second);
             }
         }
+    }
+
+    /// A body that several representations share goes to the product that is joined to one of them, not to a shape aspect for which some exporters
+    /// state properties of the body once more.
+    fn put_products_first(&mut self) {
+        let described: HashSet<u64> = self.products.keys().map(|&id| self.groups.find(id)).collect();
+        let groups = &mut self.groups;
+        self.order.sort_by_key(|&id| !described.contains(&groups.find(id)));
     }
 
     /// The part of a representation's group, where it was made.
