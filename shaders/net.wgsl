@@ -2,7 +2,7 @@
 
 const MAX_ROOTS: u32 = 6u;
 const MAX_ISOLATION_LEVEL: u32 = 8u;
-const MAX_ISOLATION_CELLS: u32 = 128u;
+const MAX_ISOLATION_CELLS: u32 = 1024u;
 const OVERLAP: f32 = 1.0 / 1048576.0;
 // √EPSILON, exactly.
 const SQRT_EPSILON: f32 = 3.4526698e-4;

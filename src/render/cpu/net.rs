@@ -26,7 +26,7 @@ pub const MAX_ROOTS: usize = 6;
 
 /// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
 const MAX_ISOLATION_LEVEL: u32 = 8;
-const MAX_ISOLATION_CELLS: u32 = 128;
+const MAX_ISOLATION_CELLS: u32 = 1024;
 
 /// Accepted excess of (u, v) over [0, 1]: twice the worst that f32 was seen to need so that no ray slips between two nets.
 const OVERLAP: f64 = 1.0 / 1_048_576.0;
