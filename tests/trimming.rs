@@ -8,8 +8,8 @@ use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trimray::brep::{BodyKind, Face, Model};
-use trimray::geometry::{Bezier, Homogeneous, Homogeneous2, Surface};
-use trimray::trimming::{FaceTrim, TrimError, TrimOptions, trim_face};
+use trimray::geometry::{Bezier, Homogeneous, Homogeneous2, Surface, invert_curve, invert_surface};
+use trimray::trimming::{EdgeDeviation, FaceTrim, TrimError, TrimOptions, trim_face};
 
 /// Rows of a face on which its area is summed.
 const ROWS: usize = 192;
@@ -30,6 +30,8 @@ struct Count {
     closed_bodies: usize,
     open_bodies: usize,
     worst_deviation: f64,
+    /// Bounds of edges that a sample exceeds.
+    broken_bounds: usize,
 }
 
 impl Count {
@@ -40,6 +42,7 @@ impl Count {
         self.closed_bodies += other.closed_bodies;
         self.open_bodies += other.open_bodies;
         self.worst_deviation = self.worst_deviation.max(other.worst_deviation);
+        self.broken_bounds += other.broken_bounds;
     }
 }
 
@@ -99,6 +102,38 @@ fn area(surface: &Surface, trim: &FaceTrim) -> (DVec3, f64) {
     (vector, total)
 }
 
+/// How many edges of a face have a sample farther from the surface than their bound says, and how many images one farther
+/// from all edges than the greatest bound; rounding is forgiven.
+fn broken_bounds(model: &Model, surface: &Surface, trim: &FaceTrim) -> usize {
+    let magnitude = trim.edges.iter().map(|d| model.edges[d.edge].curve.point(model.edges[d.edge].range[0]));
+    let rounding = 1e-13 * magnitude.map(|p| p.length()).fold(trim.size, f64::max);
+    let is_far = |deviation: &&EdgeDeviation| {
+        let edge = &model.edges[deviation.edge];
+        [0.0, 0.37, 0.81, 1.0].iter().any(|s| {
+            let point = edge.curve.point(edge.range[0] + s * (edge.range[1] - edge.range[0]));
+            invert_surface(surface, point, None).distance > deviation.distance + rounding
+        })
+    };
+    let greatest = trim.edges.iter().map(|d| d.distance).fold(0.0, f64::max);
+    // Straight images may be the sides of a seam, which no edge needs to lie on.
+    let curved = trim.curves.iter().filter(|curve| curve.points.len() > 2).step_by(5);
+    let is_astray = |curve: &&Bezier<Homogeneous2>| {
+        let point = surface.point(curve.eval(0.43).point());
+        trim.edges.iter().all(|deviation| {
+            let edge = &model.edges[deviation.edge];
+            let [low, high] = [edge.range[0].min(edge.range[1]), edge.range[0].max(edge.range[1])];
+            let mut t = invert_curve(&edge.curve, point, None);
+            if let Some(period) = edge.curve.period() {
+                t += ((low - t) / period).ceil() * period;
+            }
+            edge.curve.point(t.clamp(low, high)).distance(point) > greatest + rounding
+        })
+    };
+    let far = if trim.edges.len() <= 64 { trim.edges.iter().filter(is_far).count() } else { 0 };
+    let astray = if trim.edges.len() <= 12 { curved.filter(is_astray).count() } else { 0 };
+    far + astray
+}
+
 fn trim_all(path: &Path, model: &Model, print: bool) -> Count {
     let mut count = Count::default();
     // Where the reader dropped faces, bodies cannot be closed.
@@ -114,7 +149,13 @@ fn trim_all(path: &Path, model: &Model, print: bool) -> Count {
                 match trim_face(model, id, &options) {
                     Ok(trim) => {
                         count.trimmed += 1;
-                        count.worst_deviation = count.worst_deviation.max(trim.deviation);
+                        count.worst_deviation =
+                            trim.edges.iter().map(|edge| edge.distance).fold(count.worst_deviation, f64::max);
+                        let broken = broken_bounds(model, surface, &trim);
+                        if broken > 0 && print {
+                            eprintln!("{}: #{}: {broken} broken bounds", path.display(), face.entity);
+                        }
+                        count.broken_bounds += broken;
                         let (vector, face_area) = area(surface, &trim);
                         sum += if face.same_sense { vector } else { -vector };
                         total += face_area;
@@ -214,6 +255,7 @@ fn fixtures_are_trimmed_and_closed() {
     let count = sweep(&folder).expect("there are fixtures");
     assert_eq!(count.trimmed, count.faces, "every face is trimmed");
     assert_eq!(count.open_bodies, 0, "every solid is closed");
+    assert_eq!(count.broken_bounds, 0, "no sample exceeds the bound of its edge");
 }
 
 #[test]
@@ -225,5 +267,6 @@ fn corpus_is_trimmed_and_closed() {
         return;
     };
     assert!(count.trimmed as f64 >= 0.99 * count.faces as f64, "99 % of all faces are trimmed");
+    assert_eq!(count.broken_bounds, 0, "no sample exceeds the bound of its edge");
     assert!(count.closed_bodies >= 9 * count.open_bodies, "nine of ten solids are closed");
 }

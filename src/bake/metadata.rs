@@ -17,6 +17,11 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
         unit_millimetres: model.source.unit.millimetres,
         declared_faces: model.declared_faces as u64,
         solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
+        recognised: model
+            .recognised
+            .iter()
+            .map(|(kind, count)| ((*kind).to_owned(), *count as u64))
+            .collect(),
         ..Metadata::default()
     }
 }
@@ -52,11 +57,11 @@ pub(super) fn report_unplaced(findings: &mut Diagnostics, model: &Model, placed:
         let part = &model.parts[id];
         let faces = part.bodies.iter().map(|body| body.faces.len()).sum::<usize>() as u32;
         if faces > 0 {
-            let reason = format!("part '{}' is placed nowhere", part.name);
-            findings.push(Diagnostic {
-                faces,
-                ..Diagnostic::new(Severity::Dropped, part.entity, "PRODUCT", reason)
-            });
+            let is_hidden = model.hidden_parts.binary_search(&id).is_ok();
+            let severity = if is_hidden { Severity::Hidden } else { Severity::Dropped };
+            let place = if is_hidden { "invisibly" } else { "nowhere" };
+            let reason = format!("part '{}' is placed {place}", part.name);
+            findings.push(Diagnostic { faces, ..Diagnostic::new(severity, part.entity, "PRODUCT", reason) });
         }
     }
 }

@@ -8,6 +8,7 @@ mod assemble;
 mod budget;
 mod bvh;
 mod faces;
+mod gaps;
 mod leaves;
 mod materials;
 mod metadata;
@@ -100,6 +101,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
     let metadata = metadata::of_model(model, &occurrences);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
     let mut findings = metadata::findings(model, is_cut);
+    scene.metadata.largest_gap = gaps::report(&mut findings, model, &drafts);
     let max_leaves = leaves::most_leaves(patch_points);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
@@ -252,6 +254,9 @@ fn gather(
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
                     findings.push(Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair));
+                }
+                for loss in outline.losses {
+                    findings.push(Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", loss));
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {
                     let own = part_boxes[slot];

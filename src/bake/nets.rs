@@ -4,18 +4,22 @@
 //! factor for the whole face.
 
 use super::faces::PartSpace;
-use super::leaves::{self, Domain, Leaf, Side, Trim};
+use super::leaves::{self, Domain, Leaf, Side, Trim, View};
 use super::narrow;
 use super::outline::Outline;
 use super::slab;
 use super::trim_tree::TrimTree;
-use crate::geometry::{BezierPatch, BsplineSurface, decompose_surface};
+use crate::geometry::{BezierPatch, BsplineSurface, PatchSpan, decompose_surface};
 use crate::numeric::Aabb;
 use crate::scene::{Net, NetLeaf, TRIM_INSIDE};
 use glam::{DVec2, DVec3, DVec4};
+use rayon::prelude::*;
 
 /// The highest degree that kernels evaluate.
 const MAX_DEGREE: usize = 25;
+
+/// Patches that are made before they are baked.
+const SPANS_AT_ONCE: usize = 256;
 
 /// The nets of a face; indices count from its own arrays.
 #[derive(Debug, Default)]
@@ -54,39 +58,35 @@ pub(super) fn bake_nets(
     let is_rational = surface.points.iter().any(|p| p.w != first_weight);
     let trim = Trim { region: &outline.region, tree, period };
     let face_size = outline.bounds.diagonal();
-    let mut nets = Nets::default();
-    let mut strip = ([f64::NAN; 2], Vec::new());
-    let ends = surface.domain();
-    for span in decompose_surface(surface) {
+    let bake_span = |span: PatchSpan, views: &[View]| -> Result<BakedSpan, String> {
         let domain = normalised_domain(span.u, span.v, outline);
-        if strip.0 != span.u {
-            let whole = normalised_domain(span.u, [ends.min.y, ends.max.y], outline);
-            strip = (span.u, leaves::views(&whole, &trim));
-        }
         let patch = in_face_space(span.patch, origin + space.center, heaviest, is_rational);
         if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.w > 0.0) {
             return Err("a control point is beyond single precision".into());
         }
-        let points = patch.points.clone();
-        let degrees = patch.degrees;
-        let (found, left_out) =
-            leaves::leaves(patch, &domain, &trim, &strip.1, distortion, max_leaves, face_size);
-        nets.is_mixed |= left_out;
-        if found.is_empty() {
-            continue;
+        let (points, degrees) = (patch.points.clone(), patch.degrees);
+        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size);
+        let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
+        let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
+        Ok(BakedSpan { domain, degrees, points, leaves, is_mixed })
+    };
+    let ends = surface.domain();
+    let bake_strip = |strip: Vec<PatchSpan>| -> Result<Vec<BakedSpan>, String> {
+        let whole = normalised_domain(strip[0].u, [ends.min.y, ends.max.y], outline);
+        let views = leaves::views(&whole, &trim);
+        strip.into_par_iter().map(|span| bake_span(span, &views)).collect()
+    };
+    let mut nets = Nets::default();
+    let mut spans = decompose_surface(surface);
+    // The spans of one large face are as many tasks, but not all of its patches are in memory.
+    loop {
+        let strips = strips(spans.by_ref().take(SPANS_AT_ONCE));
+        if strips.is_empty() {
+            break;
         }
-        let index = nets.nets.len() as u32;
-        nets.nets.push(Net {
-            first_point: nets.points.len() as u32,
-            degrees: degrees[0] as u32 | (degrees[1] as u32) << 8 | u32::from(is_rational) << 16,
-            face: 0,
-            reserved: 0,
-            uv_low: narrow::pair(domain.low),
-            uv_size: narrow::pair(domain.size),
-        });
-        nets.points.extend(points);
-        for leaf in &found {
-            nets.add_leaf(leaf, index, origin);
+        let baked = strips.into_par_iter().map(bake_strip).collect::<Result<Vec<_>, _>>()?;
+        for span in baked.into_iter().flatten() {
+            nets.add(span, is_rational);
         }
     }
     if nets.leaves.is_empty() {
@@ -95,19 +95,60 @@ pub(super) fn bake_nets(
     Ok((origin, nets))
 }
 
+/// One net before the nets of its face have their indices.
+struct BakedSpan {
+    domain: Domain,
+    degrees: [usize; 2],
+    points: Vec<DVec4>,
+    leaves: Vec<(NetLeaf, Aabb)>,
+    is_mixed: bool,
+}
+
 impl Nets {
-    fn add_leaf(&mut self, leaf: &Leaf, net: u32, origin: DVec3) {
-        let axis = |k: usize| leaf.index[k] | u32::from(leaf.level[k]) << 12;
-        self.is_mixed |= leaf.side == Side::Mixed;
-        self.leaves.push(NetLeaf {
-            domain: axis(0) | axis(1) << 16,
-            net,
-            trim: if leaf.side == Side::Inside { TRIM_INSIDE } else { 0 },
-            ..slab::leaf(&leaf.patch, &leaf.fit)
+    fn add(&mut self, span: BakedSpan, is_rational: bool) {
+        self.is_mixed |= span.is_mixed;
+        if span.leaves.is_empty() {
+            return;
+        }
+        let net = self.nets.len() as u32;
+        self.nets.push(Net {
+            first_point: self.points.len() as u32,
+            degrees: span.degrees[0] as u32 | (span.degrees[1] as u32) << 8 | u32::from(is_rational) << 16,
+            face: 0,
+            reserved: 0,
+            uv_low: narrow::pair(span.domain.low),
+            uv_size: narrow::pair(span.domain.size),
         });
-        let bounds = slab::bounds(&leaf.patch);
-        self.boxes.push(Aabb { min: bounds.min + origin, max: bounds.max + origin });
+        self.points.extend(span.points);
+        for (leaf, bounds) in span.leaves {
+            self.leaves.push(NetLeaf { net, ..leaf });
+            self.boxes.push(bounds);
+        }
     }
+}
+
+/// The record of a leaf, its net aside, and its box in part space.
+fn leaf_and_box(leaf: &Leaf, origin: DVec3) -> (NetLeaf, Aabb) {
+    let axis = |k: usize| leaf.index[k] | u32::from(leaf.level[k]) << 12;
+    let record = NetLeaf {
+        domain: axis(0) | axis(1) << 16,
+        trim: if leaf.side == Side::Inside { TRIM_INSIDE } else { 0 },
+        ..slab::leaf(&leaf.patch, &leaf.fit)
+    };
+    let bounds = slab::bounds(&leaf.patch);
+    (record, Aabb { min: bounds.min + origin, max: bounds.max + origin })
+}
+
+/// The spans, those that follow each other with the same `u` together.
+fn strips(spans: impl Iterator<Item = PatchSpan>) -> Vec<Vec<PatchSpan>> {
+    let mut strips: Vec<Vec<PatchSpan>> = Vec::new();
+    for span in spans {
+        match strips.last_mut().filter(|strip| strip[0].u == span.u) {
+            Some(strip) => strip.push(span),
+            None => strips.push(vec![span]),
+        }
+    }
+    strips
 }
 
 /// A rectangle of surface parameters in normalised ones.

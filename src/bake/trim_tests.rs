@@ -5,7 +5,7 @@ use super::trim_query::inside;
 use super::trim_tree::{TrimTree, build};
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox};
 use crate::trimming::FaceTrim;
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// A linear congruential generator; numbers in 0..1.
@@ -53,7 +53,7 @@ fn trim(loops: Vec<Loop>) -> FaceTrim {
         min: points().fold(DVec2::INFINITY, DVec2::min),
         max: points().fold(DVec2::NEG_INFINITY, DVec2::max),
     };
-    FaceTrim { window, curves, deviation: 0.0, repairs: vec![] }
+    FaceTrim { curves, ..FaceTrim::whole(window) }
 }
 
 /// Even-odd count of a ray to −u over finely sampled curves, and the distance from the nearest curve; normalised.
@@ -109,6 +109,20 @@ fn check(name: &str, loops: Vec<Loop>, points: usize) {
     assert!(compared * 4 > points, "{name}: {compared} of {points}");
 }
 
+/// A side whose ends differ by roundings: clipping moves its vertices onto the window's border.
+#[test]
+fn almost_flat_sides() {
+    let heights = [5.6e-16, 0.0, 2.2e-16, 6.7e-16, 5.6e-16];
+    let bottom = heights.iter().enumerate().map(|(i, y)| DVec2::new(0.25 * i as f64, *y));
+    // Teeth on the other side, so that the tree has reasons to split.
+    let teeth =
+        (0..40).rev().map(|i| DVec2::new(f64::from(i) / 39.0, if i / 2 % 2 == 0 { 1.0 } else { 0.6 }));
+    let corners: Vec<DVec2> = bottom.chain(teeth).collect();
+    check("comb", vec![polygon(&corners)], 3000);
+    let turned: Vec<DVec2> = corners.iter().map(|p| p.yx()).collect();
+    check("turned comb", vec![polygon(&turned)], 3000);
+}
+
 #[test]
 fn circles_and_holes() {
     check("circle", vec![circle(DVec2::new(3.0, 4.0), 2.5)], 1500);
@@ -127,6 +141,15 @@ fn axis_parallel_edges() {
     check("hole at a corner", vec![unit.clone(), hole(0.0, 0.5)], 3000);
     check("holes off planes", vec![unit, hole(0.1, 0.3), hole(0.31, 0.9)], 3000);
     let p = |x: f64, y: f64| DVec2::new(x, y);
+    // Sides that are off the axes by the last bit: cells clip pieces of them onto the axes.
+    let holes =
+        || (0..4).flat_map(|i| (0..4).map(move |j| DVec2::new(f64::from(i), f64::from(j)) * 0.23 + 0.05));
+    for turn in 0..4 {
+        let bits = f64::EPSILON * DVec2::from([[1.0, 1.0], [2.0, 1.0], [1.0, 3.0], [0.7, 0.4]][turn]);
+        let outline = polygon(&[p(bits.x, 0.0), p(1.0, bits.y), p(1.0 - bits.x, 1.0), p(0.0, 1.0 - bits.y)]);
+        let holes = holes().map(|low| rectangle(low, low + 0.2));
+        check("a rectangle turned by rounding", std::iter::once(outline).chain(holes).collect(), 3000);
+    }
     let stairs = polygon(&[
         p(0.0, 0.0),
         p(1.0, 0.0),

@@ -118,8 +118,8 @@ impl Builder<'_> {
             pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
-        let mut near = Vec::new();
-        let mut far = Vec::new();
+        let mut near = Vec::with_capacity(pieces.len());
+        let mut far = Vec::with_capacity(pieces.len());
         for piece in &pieces {
             let [below, above] = self.region.clip(piece, axis, position);
             near.extend(below);
@@ -137,10 +137,11 @@ impl Builder<'_> {
         let (mut near_cell, far_cell) = (child(false), child(true));
         near_cell.high[axis] = position;
         let far_inside = state_beyond(cell.low, far_cell.low, inside, near.iter().chain(&far));
+        let near_inside = near.iter().fold(inside, |state, piece| state ^ lies_below_walk(&cell, piece));
 
         let word = self.tree.nodes.len();
         self.tree.nodes.push(0);
-        self.emit(near_cell, near, inside, levels - 1, near_budget);
+        self.emit(near_cell, near, near_inside, levels - 1, near_budget);
         let mut right = (self.tree.nodes.len() - word) as u32;
         if right >= trim_node::FAR {
             self.tree.nodes.insert(word + 1, right + 1);
@@ -187,6 +188,12 @@ fn tidy(cell: &Cell, pieces: &mut Vec<Piece>) {
     let on_edge =
         |piece: &Piece, axis| piece.lies_at(axis, cell.low[axis]) || piece.lies_at(axis, cell.high[axis]);
     pieces.retain(|piece| !on_edge(piece, 0) && !on_edge(piece, 1));
+}
+
+/// Whether `piece` rose from the lower left corner of `cell` until clipping rounded it onto the bottom edge: the walk, which started below it, now
+/// starts above it.
+fn lies_below_walk(cell: &Cell, piece: &Piece) -> bool {
+    piece.low == cell.low && piece.lies_at(1, cell.low[1])
 }
 
 /// The state of the lower left corner, `corner`, of the upper or right child of a cell that starts at `low`.
@@ -244,16 +251,23 @@ fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
 /// Coordinates of piece ends, mostly few.
 type Coordinates = SmallVec<[f32; FEW_PIECES]>;
 
-/// Planes to try: beside the ends of few pieces, evenly spaced for many.
+/// Planes to try: those that just leave a piece on one side for few pieces, evenly spaced for many.
 fn candidates(cell: &Cell, axis: usize, least: &[f32], greatest: &[f32]) -> SmallVec<[u32; 64]> {
     if least.len() > FEW_PIECES {
         return (1..EVEN_CANDIDATES).map(|i| i * (PLANE_STEPS / EVEN_CANDIDATES)).collect();
     }
+    let (low, size) = (cell.low[axis], cell.size[axis]);
+    let below = |end: f32| ((end - low) / size * PLANE_STEPS as f32) as u32;
     let mut planes = SmallVec::from_slice(&[PLANE_STEPS / 2]);
-    for end in least.iter().chain(greatest) {
-        let step = ((end - cell.low[axis]) / cell.size[axis] * PLANE_STEPS as f32).floor() as u32;
-        planes.extend([step, step + 1].into_iter().filter(|&plane| plane > 0 && plane < PLANE_STEPS));
-    }
+    planes.extend(least.iter().map(|&end| {
+        let plane = below(end);
+        plane - u32::from(plane > 0 && split_position(low, size, plane) > end)
+    }));
+    planes.extend(greatest.iter().map(|&end| {
+        let plane = below(end);
+        plane + u32::from(split_position(low, size, plane) < end)
+    }));
+    planes.retain(|plane| (1..PLANE_STEPS).contains(plane));
     planes.sort_unstable();
     planes.dedup();
     planes

@@ -96,6 +96,12 @@ impl Deref for Diagnostics {
     }
 }
 
+impl<const N: usize> PartialEq<[Diagnostic; N]> for Diagnostics {
+    fn eq(&self, other: &[Diagnostic; N]) -> bool {
+        self.list == other
+    }
+}
+
 impl<'a> IntoIterator for &'a Diagnostics {
     type Item = &'a Diagnostic;
     type IntoIter = std::slice::Iter<'a, Diagnostic>;

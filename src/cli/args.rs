@@ -150,6 +150,9 @@ pub(super) struct Bake {
 }
 
 /// Tells what is in a file: units, product tree, faces by kind, sizes, and what was dropped and why.
+///
+/// B-spline surfaces that are planes, cylinders, cones, spheres or tori within 1e-7 of their size are taken for these,
+/// and counted. The largest gap is a bound: no two faces are farther apart along an edge that they share.
 #[derive(Debug, Args)]
 pub(super) struct Info {
     /// A STEP or IGES file, or a baked .trimray file.

@@ -12,6 +12,10 @@ use super::knots::KnotVector;
 use super::surface::Surface;
 use glam::{DVec2, DVec3};
 
+/// How far a B-spline surface may be from the elementary one that it is taken for, as a share of the size of its net: that of
+/// the trim tolerance, and below what files write in ten digits.
+pub const RECOGNITION_TOLERANCE: f64 = 1e-7;
+
 /// The most samples along one parameter; beyond that they are thinned out.
 const MOST_SAMPLES: usize = 96;
 
@@ -23,6 +27,10 @@ const ON_RING: [f64; 3] = [0.06, 0.39, 0.72];
 /// Radii above this multiple of the size are those of straight lines: through three points of a line and its rounding
 /// errors there is a circle, too.
 const LARGEST_RADIUS: f64 = 1e4;
+
+/// A profile is the arc of a circle where it bends by more than this multiple of the tolerance: less is a line in all but name,
+/// whose bend tells circles from other curves by too few digits.
+const LEAST_BEND: f64 = 1e4;
 
 /// The elementary surface from which no point of `spline` is farther than `tolerance`, and whether its normal is opposite
 /// to the spline's. Parameters are not kept.
@@ -87,6 +95,10 @@ fn revolution(spline: &BsplineSurface, axis: usize, tolerance: f64) -> Option<Su
             }
             return Some(Surface::Cone { frame: frame(0.0), radius: b.y, half_angle: slope.atan() });
         }
+    }
+    let chord = (c - a).try_normalize()?;
+    if (b - a).perp_dot(chord).abs() < LEAST_BEND * tolerance {
+        return None;
     }
     let profile = circle(profile.map(|p| p.extend(0.0)))?;
     let (height, major) = (profile.center.x, profile.center.y);
@@ -232,5 +244,17 @@ mod tests {
         let sheet =
             to_bspline::extrude(&to_bspline::curve_to_bspline(&parabola, [-1.0, 1.0]), frame().z, [0.0, 4.0]);
         assert_eq!(recognise(&sheet, 1e-6), None);
+    }
+
+    #[test]
+    fn a_line_beside_its_axis_makes_no_torus() {
+        // A line that neither meets the axis nor runs along it sweeps a hyperboloid; a short one bends by less than any tolerance of
+        // a circle's radius can tell.
+        for tilt in [0.3, 0.03, 0.01] {
+            let origin = frame().point(DVec3::new(5.0, 0.0, 0.0));
+            let direction = frame().vector(DVec3::new(0.1, tilt, 1.0));
+            let surface = revolved(&Curve::Line { origin, direction }, [0.0, 2.0]);
+            assert_eq!(recognise(&surface, 1e-6).map(|(surface, _)| surface.kind()), None, "{tilt}");
+        }
     }
 }

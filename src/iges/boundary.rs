@@ -35,15 +35,14 @@ impl From<Piece> for Bound {
 
 /// The loop of `bounds`; a vertex where nothing has a length, nothing where there are no curves.
 pub fn trim_loop(model: &mut Model, bounds: Vec<Bound>, resolution: f64) -> Option<TrimLoop> {
-    let samples = bounds.iter().flat_map(|b| (0..=4).map(|i| b.piece.at(f64::from(i) / 4.0)));
-    let size = Aabb::around(samples).diagonal();
+    let size = size(&bounds);
     let first = bounds.first()?.piece.clone();
     let mut bounds: Vec<Bound> = bounds.into_iter().filter(|b| b.piece.reach() > NO_LENGTH * size).collect();
     if bounds.is_empty() {
         let vertex = Vertex { point: first.at(0.0), entity: first.entity.into() };
         return Some(TrimLoop::Vertex(model.vertices.push(vertex)));
     }
-    let meeting = resolution.clamp(MEETING[0] * size, MEETING[1] * size);
+    let meeting = meeting(&bounds, resolution);
     turn(&mut bounds, meeting);
     let partners = seams(&bounds, meeting);
     let vertices = vertices(model, &bounds, meeting);
@@ -59,6 +58,16 @@ pub fn trim_loop(model: &mut Model, bounds: Vec<Bound>, resolution: f64) -> Opti
         coedges.push(Coedge { edge: model.edges.push(edge), reversed: false });
     }
     Some(TrimLoop::Edges(coedges))
+}
+
+fn size(bounds: &[Bound]) -> f64 {
+    Aabb::around(bounds.iter().flat_map(|b| (0..=4).map(|i| b.piece.at(f64::from(i) / 4.0)))).diagonal()
+}
+
+/// How near two ends are that meet.
+pub fn meeting(bounds: &[Bound], resolution: f64) -> f64 {
+    let size = size(bounds);
+    resolution.clamp(MEETING[0] * size, MEETING[1] * size)
 }
 
 /// Turns curves so that each starts where the one before ends.

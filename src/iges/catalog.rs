@@ -185,7 +185,7 @@ fn report_without_surface(
                 && is_geometry(entry)
                 && !used.contains(entity)
                 && !touched.contains(entity)
-                && !(entry.kind == 108 && entry.form != 0)
+                && (entry.kind != 108 || entry.form == 0)
         };
         let mut found = reader.file.entities().filter(|(entity, entry)| stands_alone(entity, entry));
         if let Some((entity, entry)) = found.next() {

@@ -114,11 +114,22 @@ pub fn read(cards: &[&[u8]]) -> Global {
             originating_system: Some(string(5)).filter(|s| !s.is_empty()).unwrap_or_else(|| string(6)),
             unit,
         },
-        product: Some(string(3)).filter(|s| !s.is_empty()).unwrap_or_else(|| string(4)),
+        product: product(&string(3), &string(4), [&string(5), &string(6)]),
         millimetres,
         resolution,
         findings,
     }
+}
+
+/// The product's name, unless it is that of the system or of its translator, as several write it; else the file's, without its
+/// folder and extension.
+fn product(name: &str, file: &str, systems: [&str; 2]) -> String {
+    if !name.is_empty() && !systems.contains(&name) {
+        return name.to_owned();
+    }
+    let file = file.rsplit(['/', '\\', ']', ':']).next().unwrap_or_default();
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    if stem.is_empty() { name.to_owned() } else { stem.to_owned() }
 }
 
 /// The first two parameters: `1Ha` each, or nothing for the default.
@@ -158,7 +169,15 @@ fn unit(flag: Option<f64>, name: &str, findings: &mut Vec<String>) -> LengthUnit
     };
     match flag {
         Some(flag) if flag.fract() == 0.0 && (1.0..=11.0).contains(&flag) && flag != 3.0 => {
-            unit(flag as usize - 1)
+            let by_flag = unit(flag as usize - 1);
+            if let Some(by_name) = by_name()
+                && by_name.millimetres != by_flag.millimetres
+            {
+                let finding =
+                    format!("the unit's flag says {}, its name {name}: the flag counts", by_flag.name);
+                findings.push(finding);
+            }
+            by_flag
         }
         _ => by_name().unwrap_or_else(|| {
             findings
@@ -192,6 +211,14 @@ mod tests {
     }
 
     #[test]
+    fn product_names() {
+        assert_eq!(product("bolt", "a.igs", ["system", "1.0"]), "bolt");
+        assert_eq!(product("", "C:\\parts\\bolt.v2.igs", ["system", "1.0"]), "bolt.v2");
+        assert_eq!(product("translator 1", "/home/bolt", ["system", "translator 1"]), "bolt");
+        assert_eq!(product("system", "", ["system", "1.0"]), "system");
+    }
+
+    #[test]
     fn delimiters_of_all_kinds() {
         assert_eq!(global(",,4Hpart,,").delimiters, Delimiters::default());
         let other = Delimiters { parameter: b'/', record: b'#' };
@@ -209,6 +236,10 @@ mod tests {
         assert_eq!(with("3,4Hinch").millimetres, 25.4);
         assert_eq!(with("3,2HCM").millimetres, 10.0);
         assert_eq!(with("9,").millimetres, 1e-3);
+        // The flag counts, but what contradicts it is said.
+        let contradiction = with("2,2HIN");
+        assert_eq!((contradiction.millimetres, contradiction.findings.len()), (1.0, 1));
+        assert_eq!(with("2,").findings.len() + with("3,6Hinches").findings.len(), 0);
         let unknown = with("0,");
         assert_eq!((unknown.millimetres, unknown.findings.len()), (25.4, 1));
     }

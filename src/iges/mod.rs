@@ -25,6 +25,7 @@ mod lifted;
 mod offset;
 mod placement;
 mod reader;
+mod rounds;
 mod solid;
 mod spans;
 mod style;

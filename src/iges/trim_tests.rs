@@ -104,3 +104,40 @@ fn bounded_surfaces() {
     assert!((trims(&model) - 4.0).abs() < 1e-12);
     assert_eq!(model.faces.iter().next().and_then(|f| f.color).map(|c| c.rgb), Some([0.0, 1.0, 0.0]));
 }
+
+#[test]
+fn seams_that_cross() {
+    // A torus of radii 7 and 2 without an eighth of it: x, y and z positive. Its boundary runs along the seam around the axis and
+    // along the one around the tube. The curves follow each other, but where the seams cross the wrong one comes next.
+    let helpers = vec![
+        part(116, "0,0,0"),
+        part(123, "0,0,1"),
+        // Below the plane of the axis' seam: arcs run clockwise.
+        part(124, "1,0,0,0,0,-1,0,0,0,0,-1,0"),
+        // The tube at y = 0, over and under the plane, and at x = 0.
+        part(124, "1,0,0,7,0,0,-1,0,0,1,0,0"),
+        part(124, "1,0,0,7,0,0,1,0,0,-1,0,0"),
+        part(124, "0,0,-1,0,0,1,0,7,1,0,0,0"),
+    ];
+    let curves = vec![
+        part(100, "0,0,0,0,-2,0,2").transform(13),
+        part(100, "0,0,0,0,9,9,0"),
+        part(100, "0,0,0,9,0,0,-9").transform(7),
+        part(100, "0,0,0,0,-9,9,0").transform(7),
+        part(100, "0,0,0,2,0,-2,0").transform(11),
+        part(100, "0,0,0,-2,0,2,0").transform(9),
+        part(100, "0,0,0,2,0,-2,0").transform(9),
+        part(100, "0,0,0,5,0,0,5"),
+    ];
+    let model = clean(&trimmed(part(198, "3,5,7,2"), helpers, curves));
+    let face = model.faces.iter().next().expect("a face");
+    let [TrimLoop::Edges(coedges)] = face.loops.as_slice() else { panic!("one loop") };
+    assert_eq!(coedges.len(), 8);
+    // No edge is followed by itself run back.
+    for (i, coedge) in coedges.iter().enumerate() {
+        assert!(coedge.edge != coedges[(i + 1) % coedges.len()].edge, "{coedges:?}");
+    }
+    // The face goes all the way around both ways.
+    let whole = std::f64::consts::TAU * std::f64::consts::TAU;
+    assert!((trims(&model) - whole).abs() < 1e-6);
+}

@@ -1,12 +1,13 @@
 //! Faces without topology: trimmed surfaces (144 with 142), bounded surfaces (143 with 141), bounded planes (108), and surfaces
 //! that stand alone.
 
-use super::boundary::{Bound, trim_loop};
+use super::boundary::{self, Bound, trim_loop};
 use super::curve::{self, Piece};
 use super::directory::{Mapped, Problem};
 use super::lifted;
 use super::placement;
 use super::reader::{Form, Reader, SurfaceUse};
+use super::rounds;
 use super::style;
 use crate::brep::{Color, Face, Id, Severity, TrimLoop};
 use crate::geometry::invert_surface;
@@ -85,7 +86,7 @@ impl Reader<'_> {
         surface: u32,
         used: &SurfaceUse,
         outer: &DAffine3,
-    ) -> Mapped<Option<TrimLoop>> {
+    ) -> Mapped<Vec<TrimLoop>> {
         let bounds = if self.entry(entity).kind == 142 {
             let parameters = self.file.parameters(entity)?;
             let place = placement::of(&self.file, entity, outer)?;
@@ -95,7 +96,11 @@ impl Reader<'_> {
         } else {
             curve::pieces(&self.file, entity, outer)?.into_iter().map(Bound::from).collect()
         };
-        Ok(trim_loop(&mut self.model, bounds, self.resolution))
+        let meeting = boundary::meeting(&bounds, self.resolution);
+        let trim = trim_loop(&mut self.model, bounds, self.resolution);
+        let surface = &self.model.surfaces[used.id];
+        let ordered = trim.map(|trim| rounds::around(&self.model, trim, surface, used.flipped, meeting));
+        Ok(ordered.unwrap_or_default())
     }
 
     /// The curve in space where it can be read, else those in the parameter plane.
@@ -125,7 +130,10 @@ impl Reader<'_> {
                 if curve != 0 {
                     let reason = format!("{reason}; the parameter curve counts instead");
                     let entity = problem.as_ref().map_or(curve, |p| p.entity);
-                    self.report(Severity::Warning, Problem { entity, kind: self.entry(entity).kind, reason });
+                    self.report(
+                        Severity::Repaired,
+                        Problem { entity, kind: self.entry(entity).kind, reason },
+                    );
                 }
                 let mut bounds = Vec::new();
                 for &flat in flat {

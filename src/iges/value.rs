@@ -56,7 +56,7 @@ pub fn values(text: &[u8], delimiters: Delimiters) -> (Vec<Value>, bool) {
 /// The value that starts at `at`, and where the delimiter after it stands (the text's length where none does).
 fn value(text: &[u8], at: usize, delimiters: Delimiters) -> (Value, usize) {
     if let Some((start, length)) = hollerith(text, at) {
-        let end = start.saturating_add(length).min(text.len());
+        let end = string_end(text, start, length, delimiters);
         let string = String::from_utf8_lossy(&text[start.min(end)..end]).into_owned();
         return (Value::Text(string), find_delimiter(text, end, delimiters));
     }
@@ -68,6 +68,24 @@ fn value(text: &[u8], at: usize, delimiters: Delimiters) -> (Value, usize) {
         None => Value::Bad,
     };
     (value, end)
+}
+
+/// Where a string ends that should have `length` bytes: there, unless no delimiter follows and one within it stands before what
+/// must be the next parameter. Counts are too large where a file's characters were once wider.
+fn string_end(text: &[u8], start: usize, length: usize, delimiters: Delimiters) -> usize {
+    let end = start.saturating_add(length).min(text.len());
+    let after = text[end..].iter().find(|byte| !byte.is_ascii_whitespace());
+    if after.is_some_and(|byte| delimiters.contains(*byte)) {
+        return end;
+    }
+    let inner = find_delimiter(text, start.min(end), delimiters);
+    if inner >= end {
+        return end;
+    }
+    let next = &text[inner + 1..find_delimiter(text, inner + 1, delimiters)];
+    let is_parameter =
+        next.trim_ascii().is_empty() || number(next.trim_ascii()).is_some() || hollerith(next, 0).is_some();
+    if is_parameter { inner } else { end }
 }
 
 fn find_delimiter(text: &[u8], at: usize, delimiters: Delimiters) -> usize {
@@ -163,6 +181,13 @@ mod tests {
         assert_eq!(read("99Habc"), (vec![Value::Text("abc".into())], false));
         assert_eq!(read("0H;"), (vec![Value::Text(String::new())], true));
         assert_eq!(read("999999999H").0, vec![Value::Text(String::new())]);
+        use Value::{Number, Text};
+        // Too long by two, too short by two, and right with delimiters inside.
+        assert_eq!(read("4Habc,27,3;").0, [Text("abc".into()), Number(27.0), Number(3.0)]);
+        assert_eq!(read("5Habc,3HMMM,3;").0, [Text("abc".into()), Text("MMM".into()), Number(3.0)]);
+        assert_eq!(read("1Habc,2;").0, [Text("a".into()), Number(2.0)]);
+        assert_eq!(read("7Ha, b; 1,2;").0, [Text("a, b; 1".into()), Number(2.0)]);
+        assert_eq!(read("11HSmith, John,2;").0, [Text("Smith, John".into()), Number(2.0)]);
     }
 
     #[test]

@@ -9,25 +9,30 @@ use smallvec::SmallVec;
 /// Coefficients, most of the time without a heap allocation.
 pub type Coefficients = SmallVec<[f64; 16]>;
 
-/// The value at `t` (de Casteljau).
+/// The value at `t`.
 pub fn eval(coefficients: &[f64], t: f64) -> f64 {
     eval_with_derivative(coefficients, t).0
 }
 
 /// The value and the first derivative at `t`. No coefficients: 0.
+///
+/// The last step of de Casteljau's scheme joins the polynomials of the first and of the last n coefficients, `(1 − t) a + t b`, and
+/// `n (b − a)` is the derivative. Those two are summed by nested multiplication (Farin 2002, `hornbez`): no triangle, no copy.
 pub fn eval_with_derivative(coefficients: &[f64], t: f64) -> (f64, f64) {
-    let degree = coefficients.len().saturating_sub(1);
-    let mut row = Coefficients::from_slice(coefficients);
-    let mut slope = 0.0;
-    for length in (1..=degree).rev() {
-        if length == 1 {
-            slope = degree as f64 * (row[1] - row[0]);
-        }
-        for i in 0..length {
-            row[i] = row[i] * (1.0 - t) + row[i + 1] * t;
-        }
+    let [first, second, ..] = *coefficients else {
+        return (coefficients.first().copied().unwrap_or(0.0), 0.0);
+    };
+    let lower = coefficients.len() - 2;
+    let s = 1.0 - t;
+    // Of degree `lower`: binomial(lower, i) · tⁱ.
+    let mut share = 1.0;
+    let (mut a, mut b) = (first, second);
+    for i in 1..=lower {
+        share *= t * ((lower - i + 1) as f64 / i as f64);
+        a = a * s + share * coefficients[i];
+        b = b * s + share * coefficients[i + 1];
     }
-    (row.first().copied().unwrap_or(0.0), slope)
+    (a * s + b * t, (lower + 1) as f64 * (b - a))
 }
 
 /// The derivative, one degree lower; that of a constant is the constant 0.

@@ -116,7 +116,7 @@ fn invisible_occurrences_are_nowhere() {
     ];
     for text in hidden {
         let model = model(&text);
-        assert_eq!((model.faces.len(), occurrences(&model).0.len()), (6, 0));
+        assert_eq!((model.faces.len(), occurrences(&model).0.len(), model.hidden_parts.len()), (6, 0, 1));
         assert_eq!(model.diagnostics.iter().map(|d| d.kind.as_str()).collect::<Vec<_>>()[0], "INVISIBILITY");
     }
 }

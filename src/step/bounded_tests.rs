@@ -138,3 +138,43 @@ fn invisible_bodies_and_drawings_are_left_out() {
     assert_eq!(kinds[0], ("TESSELLATED_CURVE_SET", 0, Severity::Note));
     assert_eq!(kinds[1..], [("ADVANCED_FACE", 1, Severity::Hidden); 6]);
 }
+
+#[test]
+fn patches_of_a_composite_surface_are_faces() {
+    let patch = |id: u32, u: &str| {
+        format!(
+            "#{id}=SURFACE_PATCH(#{0},.CONTINUOUS.,.CONTINUOUS.,.T.,.T.);#{0}=RECTANGULAR_TRIMMED_SURFACE('',#21,{u},0.,2.,.T.,.T.);",
+            id + 1
+        )
+    };
+    let text = "#40=RECTANGULAR_COMPOSITE_SURFACE('',((#41),(#43)));".to_owned()
+        + &patch(41, "0.,1.")
+        + &patch(43, "1.,4.");
+    let model = set("#40", &text);
+    assert_eq!((model.declared_faces, model.faces.len()), (2, 2));
+    let ends: Vec<DVec3> = model.faces.iter().flat_map(|face| corners(&model, &face.loops[0])).collect();
+    assert!(ends.contains(&DVec3::new(1.0, 2.0, 0.0)) && ends.contains(&DVec3::new(4.0, 2.0, 0.0)));
+}
+
+#[test]
+fn what_is_no_face_in_a_set_is_counted() {
+    let text = "#40=SURFACE_REPLICA('',#21,#20);#41=SURFACE_OF_REVOLUTION('',#26,#23);#42=SURFACE_OF_REVOLUTION('',#43,#23);\
+        #43=TRIMMED_CURVE('',#26,(PARAMETER_VALUE(0.)),(PARAMETER_VALUE(1.)),.T.,.PARAMETER.);";
+    let model = set("#40,#41,#42,#26,#10", text);
+    assert_eq!((model.declared_faces, model.faces.len()), (1, 1));
+    let reasons: Vec<&str> = model.diagnostics.iter().map(|d| d.reason.as_str()).collect();
+    assert_eq!(reasons, ["2 surfaces without bounds are left out", "2 curves and points are left out"]);
+    let ring = &model.surfaces[model.faces.iter().next().expect("a ring").surface];
+    assert!((ring.point(ring.domain().max).length() - 5.0).abs() < 1e-12);
+}
+
+#[test]
+fn faces_may_leave_their_bounds_to_the_surface() {
+    let text = tube(
+        "#60=RECTANGULAR_TRIMMED_SURFACE('',#61,0.,1.,0.,3.,.T.,.T.);#61=CYLINDRICAL_SURFACE('',#20,2.);",
+    )
+    .replace("('',(#6,#7),#60", "('',(),#60");
+    let model = model(&text);
+    let face = model.faces.iter().next().expect("a face");
+    assert_eq!(corners(&model, &face.loops[0]).len(), 4);
+}

@@ -24,6 +24,8 @@ pub struct Catalog {
     pub relationships: Vec<u64>,
     /// CONTEXT_DEPENDENT_SHAPE_REPRESENTATION.
     pub placements: Vec<u64>,
+    /// CONSTRUCTIVE_GEOMETRY_REPRESENTATION: what its items lead to is no shape of the product.
+    pub constructions: Vec<u64>,
     /// Occurrences of products in assemblies.
     pub usages: Vec<u64>,
     /// INVISIBILITY.
@@ -78,6 +80,7 @@ impl Catalog {
             _ if FACE_KEYWORDS.contains(&keyword) => {
                 self.faces.insert(id);
             }
+            "CONSTRUCTIVE_GEOMETRY_REPRESENTATION" => self.constructions.push(id),
             "TESSELLATED_ANNOTATION_OCCURRENCE" => {
                 self.tessellated_annotations.push(id);
                 self.leave_out(keyword, id);

@@ -10,13 +10,16 @@ use super::value::Value;
 use crate::brep::{Diagnostic, Severity};
 use std::collections::HashSet;
 
-/// Whether entities of this kind are left out on purpose: points, curves and texts, most of them product and manufacturing information.
+/// Whether entities of this kind are left out on purpose: points, curves and texts, most of them product and manufacturing
+/// information.
 pub fn is_left_out(keyword: &str) -> bool {
-    const DRAWN: [&str; 7] = [
+    const DRAWN: [&str; 9] = [
         "TESSELLATED_CURVE_SET",
         "TESSELLATED_POINT_SET",
         "TESSELLATED_WIRE",
         "GEOMETRIC_CURVE_SET",
+        "SHELL_BASED_WIREFRAME_MODEL",
+        "EDGE_BASED_WIREFRAME_MODEL",
         "ANNOTATION_PLANE",
         "ANNOTATION_TEXT",
         "DRAUGHTING_CALLOUT",
@@ -41,6 +44,7 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
         waiting.extend(items.filter_map(Value::reference));
     }
     let (mut seen, mut placements) = (HashSet::new(), 0);
+    let reason = "the file marks it, or what it belongs to, as invisible";
     while let Some(id) = waiting.pop() {
         if !seen.insert(id) {
             continue;
@@ -70,12 +74,12 @@ pub fn hide(reader: &mut Reader, catalog: &Catalog) {
             }
             keyword if FACE_KEYWORDS.contains(&keyword) => {
                 if reader.open_faces.remove(&id) {
-                    let reason = "the file marks it, or what it belongs to, as invisible";
                     reader.model.diagnostics.push(Diagnostic::hidden_face(id, keyword, reason));
                 }
             }
             keyword if is_tessellated(keyword) => {
                 reader.taken_bodies.insert(id);
+                reader.model.diagnostics.push(Diagnostic::new(Severity::Hidden, id, keyword, reason));
             }
             keyword if BODY_KEYWORDS.contains(&keyword) || keyword == "ORIENTED_OPEN_SHELL" => {
                 reader.taken_bodies.insert(id);

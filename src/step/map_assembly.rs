@@ -16,7 +16,8 @@ use super::map_topology::{BODY_KEYWORDS, FACE_KEYWORDS};
 use super::reader::{MAX_CHAIN, Problem, Reader};
 use super::roots;
 use super::units::{self, Units};
-use crate::brep::{Diagnostic, Id, Part, Severity};
+use super::unreached;
+use crate::brep::{Id, Part, Severity};
 use std::collections::{HashMap, HashSet};
 
 /// A representation: `(name, items, context)`.
@@ -57,7 +58,7 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
     }
     assembly.place_related(reader);
     assembly.place_usages(reader, &catalog.usages);
-    assembly.map_unreached(reader, catalog, styles);
+    unreached::map(&mut assembly, reader, catalog, styles);
     roots::find(reader, &assembly.hidden);
 }
 
@@ -262,51 +263,6 @@ impl Assembly {
                 let part = self.part(reader, id);
                 reader.model.parts[part].bodies.push(sheet);
             }
-        }
-    }
-
-    /// Bodies that no representation of a product reached: a part of their own where nothing else was found, else a finding.
-    fn map_unreached(&mut self, reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
-        let nothing_found = reader.model.faces.is_empty();
-        if nothing_found && !reader.open_faces.is_empty() {
-            self.map_loose_bodies(reader, catalog, styles);
-        }
-        let left = reader.open_faces.len();
-        if left > 0 {
-            let first = reader.open_faces.iter().copied().min().unwrap_or(0);
-            let reason = format!("{left} faces belong to no body of a product, such as #{first}");
-            let faces = u32::try_from(left).unwrap_or(u32::MAX);
-            let finding = Diagnostic::new(Severity::Dropped, first, reader.keyword(first), reason);
-            reader.model.diagnostics.push(Diagnostic { faces, ..finding });
-            reader.open_faces.clear();
-        }
-    }
-
-    fn map_loose_bodies(&mut self, reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
-        let context = self.order.iter().find_map(|r| self.representations[r].context);
-        self.use_units(reader, context);
-        reader.model.source.unit = reader.units.length_unit();
-        let mut part = Part::default();
-        // Solids before the shells that they are made of.
-        let mut bodies = catalog.bodies.clone();
-        bodies.sort_by_key(|&id| {
-            let keyword = reader.keyword(id);
-            BODY_KEYWORDS
-                .iter()
-                .position(|k| *k == keyword)
-                .map_or(0, |rank| usize::from(rank > 2) + usize::from(rank > 4))
-        });
-        for id in bodies {
-            match reader.body(id, styles, None) {
-                Ok(body) => part.bodies.extend(body),
-                Err(problem) => reader.report(Severity::Dropped, problem),
-            }
-        }
-        if !part.bodies.is_empty() {
-            let reason =
-                format!("{} bodies stand outside of any product; imported as one part", part.bodies.len());
-            reader.report(Severity::Note, Problem { entity: 0, kind: "PRODUCT".into(), reason });
-            reader.model.parts.push(part);
         }
     }
 }

@@ -4,13 +4,13 @@
 //! A surface counts as a declared face once a representation is found to hold it. One without an end is no face: such
 //! surfaces stand in sets as references for dimensions and features.
 
-use super::map_composite::{MEETING, Piece};
+use super::map_composite::{MEETING, Piece, turn};
 use super::map_style::Styles;
 use super::map_topology::{FACE_KEYWORDS, reverse};
-use super::reader::{Mapped, Problem, Reader, SurfaceUse, problem, real, reference};
+use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, SurfaceUse, problem, real, reference};
 use super::value::{Entity, Record};
 use crate::brep::{Body, BodyKind, Coedge, Color, Edge, Face, Id, Severity, TrimLoop, Vertex};
-use crate::geometry::{Curve, ParameterBox, Surface, iso_curve, to_bspline};
+use crate::geometry::{ParameterBox, Surface, iso_curve, to_bspline};
 use crate::numeric::Aabb;
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -31,14 +31,16 @@ impl Reader<'_> {
         color: Option<Color>,
     ) -> Option<Body> {
         let mut faces = Vec::new();
-        let mut endless = Vec::new();
-        for &item in items {
+        let (mut endless, mut curves) = (Vec::new(), Vec::new());
+        for item in self.patches(items) {
             let Ok(entity) = self.entity(item) else { continue };
-            if FACE_KEYWORDS.iter().any(|keyword| entity.is(keyword)) {
+            if FACE_KEYWORDS.iter().any(|keyword| entity.is(keyword)) || entity.is("ORIENTED_FACE") {
                 self.face_or_report(item, false, styles, color, &mut faces);
-            } else if is_endless(&entity) {
+            } else if is_endless(self, item, 0) {
                 endless.push(item);
-            } else if is_loose_surface(self, item) && self.loose_surfaces.insert(item) {
+            } else if !is_loose_surface(self, item) {
+                curves.push(item);
+            } else if self.loose_surfaces.insert(item) {
                 self.model.declared_faces += 1;
                 self.open_faces.insert(item);
                 match self.loose_face(&entity) {
@@ -51,21 +53,40 @@ impl Reader<'_> {
                 }
             }
         }
-        if let Some(&first) = endless.first() {
-            let kind = self.keyword(first).into_owned();
-            let reason = format!("{} surfaces without bounds are left out", endless.len());
-            self.report(Severity::Note, Problem { entity: first, kind, reason });
+        for (left_out, what) in [(endless, "surfaces without bounds"), (curves, "curves and points")] {
+            if let Some(&first) = left_out.first() {
+                let kind = self.keyword(first).into_owned();
+                let reason = format!("{} {what} are left out", left_out.len());
+                self.report(Severity::Note, Problem { entity: first, kind, reason });
+            }
         }
         (!faces.is_empty()).then_some(Body { kind: BodyKind::Sheet, faces, name: String::new(), entity: id })
     }
 
+    /// The items with every RECTANGULAR_COMPOSITE_SURFACE(name, rows of patches) replaced by the surfaces of its patches.
+    fn patches(&self, items: &[u64]) -> Vec<u64> {
+        let mut surfaces = Vec::new();
+        for &item in items {
+            if self.keyword(item) != "RECTANGULAR_COMPOSITE_SURFACE" {
+                surfaces.push(item);
+                continue;
+            }
+            let Ok(entity) = self.entity(item) else { continue };
+            let rows = entity.first().list(1).iter().filter_map(|row| row.list());
+            let patches: Vec<u64> = rows.flatten().filter_map(|v| v.reference()).collect();
+            if self.charge(&entity, patches.len()).is_err() {
+                continue;
+            }
+            // SURFACE_PATCH(parent, u transition, v transition, u sense, v sense).
+            let parents = patches.iter().filter_map(|&patch| self.entity(patch).ok()?.first().reference(0));
+            surfaces.extend(parents);
+        }
+        surfaces
+    }
+
     fn loose_face(&mut self, entity: &Entity) -> Mapped<Face> {
         let record = entity.first();
-        let (used, mut loops) = match &*record.keyword {
-            "CURVE_BOUNDED_SURFACE" if entity.records.len() == 1 => self.curve_bounded(entity)?,
-            "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle(entity)?,
-            _ => (self.surface(entity.id, &[])?, Vec::new()),
-        };
+        let (used, mut loops) = self.self_bounded(entity)?;
         if used.flipped {
             loops.iter_mut().for_each(reverse);
         }
@@ -77,6 +98,33 @@ impl Reader<'_> {
             name: record.text(0),
             entity: entity.id,
         })
+    }
+
+    /// A surface with its own bounds.
+    pub fn self_bounded(&mut self, entity: &Entity) -> Mapped<(SurfaceUse, Vec<TrimLoop>)> {
+        let record = entity.first();
+        match &*record.keyword {
+            "CURVE_BOUNDED_SURFACE" if entity.records.len() == 1 => self.curve_bounded(entity),
+            "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle(entity),
+            "SURFACE_OF_REVOLUTION" => {
+                // All of its profile, which a closed form would not end where the profile does.
+                let profile = self.curve(reference(entity.id, record, 1)?)?;
+                let axis = self.placement(reference(entity.id, record, 2)?)?;
+                match profile.trim {
+                    Some(range) => {
+                        let spline = to_bspline::curve_to_bspline(
+                            &profile.curve,
+                            [range[0].min(range[1]), range[0].max(range[1])],
+                        );
+                        let id =
+                            self.model.surfaces.push(Surface::Bspline(to_bspline::revolve(&spline, &axis)));
+                        Ok((SurfaceUse { id, flipped: false, keeps_parameters: false }, Vec::new()))
+                    }
+                    None => Ok((self.surface(entity.id, &[])?, Vec::new())),
+                }
+            }
+            _ => Ok((self.surface(entity.id, &[])?, Vec::new())),
+        }
     }
 
     /// `CURVE_BOUNDED_SURFACE(name, basis, boundaries, implicit outer)`.
@@ -108,15 +156,20 @@ impl Reader<'_> {
 
     /// The loop along a boundary curve; `None` where it has no length.
     fn boundary(&mut self, id: u64) -> Mapped<Option<TrimLoop>> {
+        let pieces = self.closed_pieces(id)?;
+        Ok((!pieces.is_empty()).then(|| self.ring(pieces)))
+    }
+
+    /// The pieces of a closed curve, each of which begins where the one before ends; none where it has no length.
+    pub fn closed_pieces(&mut self, id: u64) -> Mapped<Vec<Piece>> {
         let mut pieces = Vec::new();
-        self.pieces(id, 0, &mut pieces)?;
+        for repair in self.pieces(id, 0, &mut pieces)? {
+            self.report(Severity::Repaired, repair);
+        }
         let entity = self.entity(id)?;
         let samples = pieces.iter().flat_map(|p| (0..=4).map(|i| p.at(f64::from(i) / 4.0)));
         let size = Aabb::around(samples).diagonal();
         pieces.retain(|piece| piece.reach() > NO_LENGTH * size);
-        if pieces.is_empty() {
-            return Ok(None);
-        }
         turn(&mut pieces);
         let gap = |i: usize| {
             let next = &pieces[(i + 1) % pieces.len()];
@@ -125,11 +178,11 @@ impl Reader<'_> {
         if (0..pieces.len()).any(|i| gap(i) > MEETING * size) {
             return Err(problem(&entity, "the boundary is not closed"));
         }
-        Ok(Some(self.ring(pieces)))
+        Ok(pieces)
     }
 
     /// `RECTANGULAR_TRIMMED_SURFACE(name, basis, u1, u2, v1, v2, usense, vsense)`.
-    fn rectangle(&mut self, entity: &Entity) -> Mapped<(SurfaceUse, Vec<TrimLoop>)> {
+    pub fn rectangle(&mut self, entity: &Entity) -> Mapped<(SurfaceUse, Vec<TrimLoop>)> {
         let record = entity.first();
         let id = reference(entity.id, record, 1)?;
         let basis = self.entity(id)?;
@@ -172,14 +225,6 @@ impl Reader<'_> {
         let range = ParameterBox { min: DVec2::new(u[0], v[0]), max: DVec2::new(u[1], v[1]) };
         let loops = self.iso_loops(used.id, range, entity.id);
         Ok((SurfaceUse { flipped, ..used }, loops))
-    }
-
-    /// The factor from the file's curve parameter to ours.
-    fn curve_scale(&self, curve: &Curve) -> f64 {
-        match curve {
-            Curve::Circle { .. } | Curve::Ellipse { .. } => self.units.radians,
-            _ => 1.0,
-        }
     }
 
     /// The ascending range of one parameter; at most one period.
@@ -270,27 +315,6 @@ impl Reader<'_> {
     }
 }
 
-/// Turns pieces round that start where they should end; senses in files are often wrong.
-fn turn(pieces: &mut [Piece]) {
-    if let [first, second, ..] = pieces {
-        let near = |s: f64| {
-            [0.0, 1.0]
-                .map(|end| first.at(s).distance(second.at(end)))
-                .into_iter()
-                .fold(f64::INFINITY, f64::min)
-        };
-        if near(0.0) < near(1.0) && pieces.len() > 2 {
-            pieces[0].range.reverse();
-        }
-    }
-    for i in 1..pieces.len() {
-        let tail = pieces[i - 1].at(1.0);
-        if pieces[i].at(1.0).distance(tail) < pieces[i].at(0.0).distance(tail) {
-            pieces[i].range.reverse();
-        }
-    }
-}
-
 /// Surfaces that a set may hold as faces.
 pub fn is_loose_surface(reader: &Reader, id: u64) -> bool {
     let keyword = reader.keyword(id);
@@ -302,8 +326,22 @@ pub fn is_loose_surface(reader: &Reader, id: u64) -> bool {
         || is_endless_keyword(&keyword)
 }
 
-fn is_endless(entity: &Entity) -> bool {
-    entity.records.len() == 1 && is_endless_keyword(&entity.first().keyword)
+/// Whether a surface has no end, as it stands or as what it is made from.
+fn is_endless(reader: &Reader, id: u64, depth: usize) -> bool {
+    let keyword = reader.keyword(id);
+    if is_endless_keyword(&keyword) {
+        return true;
+    }
+    let basis = || reader.entity(id).ok()?.first().reference(1);
+    match &*keyword {
+        "SURFACE_REPLICA" | "OFFSET_SURFACE" if depth < MAX_CHAIN => {
+            basis().is_some_and(|basis| is_endless(reader, basis, depth + 1))
+        }
+        "SURFACE_OF_REVOLUTION" => basis()
+            .and_then(|id| reader.curve(id).ok())
+            .is_some_and(|curve| curve.range().iter().any(|t| !t.is_finite())),
+        _ => false,
+    }
 }
 
 fn is_endless_keyword(keyword: &str) -> bool {

@@ -26,6 +26,7 @@ pub fn is_curve(entity: &Entity) -> bool {
                 | "RATIONAL_B_SPLINE_CURVE"
                 | "BEZIER_CURVE"
                 | "UNIFORM_CURVE"
+                | "PIECEWISE_BEZIER_CURVE"
                 | "QUASI_UNIFORM_CURVE"
         )
     })
@@ -41,25 +42,27 @@ pub fn is_surface(entity: &Entity) -> bool {
                 | "RATIONAL_B_SPLINE_SURFACE"
                 | "BEZIER_SURFACE"
                 | "UNIFORM_SURFACE"
+                | "PIECEWISE_BEZIER_SURFACE"
                 | "QUASI_UNIFORM_SURFACE"
         )
     })
 }
 
-/// A curve in space, millimetres.
-pub fn curve(reader: &Reader, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
-    let (degree, ids, knots, weights) = curve_parts(entity)?;
+/// A curve in space, millimetres; and what had to be mended.
+pub fn curve(reader: &Reader, entity: &Entity) -> Mapped<(BsplineCurve<Homogeneous3>, Option<String>)> {
+    let CurveParts { degree, ids, knots, weights, repair } = curve_parts(entity)?;
     reader.charge(entity, ids.len())?;
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
         points.push(Homogeneous::new(reader.point(*id)?, weight));
     }
-    BsplineCurve::new(degree, knots, points).map_err(|error| problem(entity, error.to_string()))
+    let curve = BsplineCurve::new(degree, knots, points);
+    curve.map(|curve| (curve, repair)).map_err(|error| problem(entity, error.to_string()))
 }
 
 /// A curve in a parameter plane: coordinates times `scale`.
 pub fn curve2(reader: &Reader, entity: &Entity, scale: DVec2) -> Mapped<BsplineCurve<Homogeneous2>> {
-    let (degree, ids, knots, weights) = curve_parts(entity)?;
+    let CurveParts { degree, ids, knots, weights, .. } = curve_parts(entity)?;
     reader.charge(entity, ids.len())?;
     let mut points = Vec::with_capacity(ids.len());
     for (id, weight) in ids.iter().zip(weights) {
@@ -69,7 +72,13 @@ pub fn curve2(reader: &Reader, entity: &Entity, scale: DVec2) -> Mapped<BsplineC
     BsplineCurve::new(degree, knots, points).map_err(|error| problem(entity, error.to_string()))
 }
 
-type CurveParts = (usize, Vec<u64>, Vec<f64>, Vec<f64>);
+struct CurveParts {
+    degree: usize,
+    ids: Vec<u64>,
+    knots: Vec<f64>,
+    weights: Vec<f64>,
+    repair: Option<String>,
+}
 
 fn curve_parts(entity: &Entity) -> Mapped<CurveParts> {
     let (base, at) = base_record(entity, "B_SPLINE_CURVE");
@@ -78,30 +87,34 @@ fn curve_parts(entity: &Entity) -> Mapped<CurveParts> {
     if ids.len() != base.list(at + 1).len() {
         return Err(problem(entity, "a control point is no reference"));
     }
+    let mut repairs = Vec::new();
     let knots = match own_record(entity, "B_SPLINE_CURVE_WITH_KNOTS", 6) {
         Some((record, at)) => {
-            expanded_knots(entity, record.list(at), record.list(at + 1), degree + ids.len() + 1)?
+            let lists = [record.list(at), record.list(at + 1)];
+            expanded_knots(entity, lists, degree, ids.len(), &mut repairs)?
         }
-        None => implied_knots(spacing(entity, degree, ids.len(), "CURVE"), degree, ids.len()),
+        None => implied_knots(spacing(entity, "CURVE"), degree, ids.len()),
     };
-    let weights = match own_record(entity, "RATIONAL_B_SPLINE_CURVE", 6) {
+    let mut weights = match own_record(entity, "RATIONAL_B_SPLINE_CURVE", 6) {
         Some((record, at)) => numbers(entity, record.list(at))?,
         None => vec![1.0; ids.len()],
     };
     if weights.len() != ids.len() {
         return Err(problem(entity, "there are not as many weights as control points"));
     }
-    Ok((degree, ids, knots, weights))
+    turn_positive(&mut weights, &mut repairs);
+    Ok(CurveParts { degree, ids, knots, weights, repair: joined(repairs) })
 }
 
-/// A surface, millimetres.
-pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<BsplineSurface> {
+/// A surface, millimetres; and what had to be mended.
+pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<(BsplineSurface, Option<String>)> {
     let (base, at) = base_record(entity, "B_SPLINE_SURFACE");
     let degrees = [degree(entity, base, at)?, degree(entity, base, at + 1)?];
     let rows = base.list(at + 2);
     let count_v = rows.first().and_then(Value::list).map_or(0, <[Value]>::len);
     let weights = own_record(entity, "RATIONAL_B_SPLINE_SURFACE", 8).map(|(record, at)| record.list(at));
-    let mut points = Vec::new();
+    let (mut controls, mut all_weights) = (Vec::new(), Vec::new());
+    let mut repairs = Vec::new();
     for (i, row) in rows.iter().enumerate() {
         let row = row.list().unwrap_or_default();
         if row.len() != count_v {
@@ -115,28 +128,31 @@ pub fn surface(reader: &Reader, entity: &Entity) -> Mapped<BsplineSurface> {
         if row_weights.len() != count_v {
             return Err(problem(entity, "there are not as many weights as control points"));
         }
-        for (value, weight) in row.iter().zip(row_weights) {
+        for value in row {
             let id = value.reference().ok_or_else(|| problem(entity, "a control point is no reference"))?;
-            points.push(Homogeneous::new(reader.point(id)?, weight));
+            controls.push(reader.point(id)?);
         }
+        all_weights.extend(row_weights);
     }
+    turn_positive(&mut all_weights, &mut repairs);
+    let points = controls.iter().zip(all_weights).map(|(point, weight)| Homogeneous::new(*point, weight));
+    let points = points.collect();
     let counts = [rows.len(), count_v];
     let knots = match own_record(entity, "B_SPLINE_SURFACE_WITH_KNOTS", 8) {
         Some((record, at)) => {
-            let along = |i: usize| {
-                let expected = counts[i] + degrees[i] + 1;
-                expanded_knots(entity, record.list(at + i), record.list(at + 2 + i), expected)
+            let mut along = |i: usize| {
+                let lists = [record.list(at + i), record.list(at + 2 + i)];
+                expanded_knots(entity, lists, degrees[i], counts[i], &mut repairs)
             };
             [along(0)?, along(1)?]
         }
         None => {
-            let along = |i: usize| {
-                implied_knots(spacing(entity, degrees[i], counts[i], "SURFACE"), degrees[i], counts[i])
-            };
+            let along = |i: usize| implied_knots(spacing(entity, "SURFACE"), degrees[i], counts[i]);
             [along(0), along(1)]
         }
     };
-    BsplineSurface::new(degrees, knots, points).map_err(|error| problem(entity, error.to_string()))
+    let surface = BsplineSurface::new(degrees, knots, points);
+    surface.map(|surface| (surface, joined(repairs))).map_err(|error| problem(entity, error.to_string()))
 }
 
 /// The record with the common attributes, and where they begin: after the name in a simple instance.
@@ -169,26 +185,75 @@ fn numbers(entity: &Entity, values: &[Value]) -> Mapped<Vec<f64>> {
     values.iter().map(|v| v.real().ok_or_else(|| problem(entity, "expected a list of numbers"))).collect()
 }
 
-/// Knots repeated by their multiplicities; `expected` bounds the memory.
-fn expanded_knots(entity: &Entity, counts: &[Value], knots: &[Value], expected: usize) -> Mapped<Vec<f64>> {
+/// Knots repeated by their multiplicities. Mended are knots out of order by rounding, multiplicities of the two ends that do
+/// not give the number of knots which `count` control points ask for, and a single piece whose knots span no interval.
+fn expanded_knots(
+    entity: &Entity,
+    [counts, knots]: [&[Value]; 2],
+    degree: usize,
+    count: usize,
+    repairs: &mut Vec<&'static str>,
+) -> Mapped<Vec<f64>> {
     if counts.len() != knots.len() {
         return Err(problem(entity, "there are not as many multiplicities as knots"));
     }
-    let mut expanded = Vec::with_capacity(expected);
-    for (count, knot) in counts.iter().zip(numbers(entity, knots)?) {
-        let count = count.integer().and_then(|c| usize::try_from(c).ok()).unwrap_or(usize::MAX);
-        if count > expected - expanded.len() {
-            return Err(problem(entity, "there are more knots than control points and degree ask for"));
+    let mut knots = numbers(entity, knots)?;
+    let length = knots.last().zip(knots.first()).map_or(0.0, |(last, first)| last - first);
+    for i in 1..knots.len() {
+        let drop = knots[i - 1] - knots[i];
+        if drop > 0.0 && drop <= ROUNDING * length {
+            knots[i] = knots[i - 1];
+            repairs.push("knots brought into order");
         }
-        expanded.extend(std::iter::repeat_n(knot, count));
+    }
+    // What bounds the memory is the number that degree and control points ask for.
+    let expected = count + degree + 1;
+    let multiplicity =
+        |v: &Value| v.integer().and_then(|c| usize::try_from(c).ok()).filter(|c| *c <= expected);
+    let mut counts: Vec<Option<usize>> = counts.iter().map(multiplicity).collect();
+    let sum = |counts: &[Option<usize>]| counts.iter().copied().sum::<Option<usize>>();
+    if sum(&counts) != Some(expected) {
+        if let [first, .., last] = counts.as_mut_slice() {
+            (*first, *last) = (Some(degree + 1), Some(degree + 1));
+        }
+        if sum(&counts) != Some(expected) {
+            let reason =
+                "the multiplicities of the knots do not fit the degree and the number of control points";
+            return Err(problem(entity, reason));
+        }
+        repairs.push("multiplicities of the end knots corrected");
+    }
+    let repeated =
+        knots.iter().zip(counts).flat_map(|(knot, count)| std::iter::repeat_n(*knot, count.unwrap_or(0)));
+    let expanded: Vec<f64> = repeated.collect();
+    if count == degree + 1 && expanded[degree] == expanded[count] {
+        repairs.push("knots without an interval replaced");
+        return Ok(implied_knots(Spacing::Bezier, degree, count));
     }
     Ok(expanded)
 }
 
-fn spacing(entity: &Entity, degree: usize, count: usize, kind: &str) -> Spacing {
-    if entity.is(&format!("BEZIER_{kind}")) || count == degree + 1 {
+/// Knots that are below their predecessor by less than this share of their range are there by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Weights count relative to each other: where all are negative, so is only their common factor.
+fn turn_positive(weights: &mut [f64], repairs: &mut Vec<&'static str>) {
+    if !weights.is_empty() && weights.iter().all(|weight| *weight < 0.0) {
+        weights.iter_mut().for_each(|weight| *weight = -*weight);
+        repairs.push("negative weights turned positive");
+    }
+}
+
+fn joined(mut repairs: Vec<&'static str>) -> Option<String> {
+    repairs.dedup();
+    (!repairs.is_empty()).then(|| repairs.join("; "))
+}
+
+fn spacing(entity: &Entity, kind: &str) -> Spacing {
+    let is = |form: &str| entity.is(&format!("{form}_{kind}"));
+    if is("BEZIER") || is("PIECEWISE_BEZIER") {
         Spacing::Bezier
-    } else if entity.is(&format!("UNIFORM_{kind}")) {
+    } else if is("UNIFORM") {
         Spacing::Uniform
     } else {
         Spacing::QuasiUniform

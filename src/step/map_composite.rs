@@ -1,6 +1,7 @@
 //! Composite curves (ISO 10303-42: composite_curve, composite_curve_on_surface, boundary_curve) as pieces in order.
 
-use super::reader::{MAX_CHAIN, Mapped, Reader, problem, reference};
+use super::map_curve::MappedCurve;
+use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
 use super::value::{Entity, Record};
 use crate::geometry::{Curve, join_curves, to_bspline::curve_to_bspline};
 use glam::DVec3;
@@ -45,46 +46,81 @@ pub fn segments<'e, 'a>(entity: &'e Entity<'a>) -> Option<(&'e Record<'a>, usize
 }
 
 impl Reader<'_> {
-    /// The pieces of curve `id` in order, each run as its segment says; a single one where it is not composite.
-    pub fn pieces(&self, id: u64, depth: usize, pieces: &mut Vec<Piece>) -> Mapped<()> {
+    /// Adds the pieces of curve `id` in order, each run as its segment says; a single one where it is not composite, and none
+    /// where it is a point. Returns what was mended.
+    pub fn pieces(&self, id: u64, depth: usize, pieces: &mut Vec<Piece>) -> Mapped<Vec<Problem>> {
         let entity = self.entity(id)?;
         if depth > MAX_CHAIN {
             return Err(problem(&entity, "curves refer to each other in a circle"));
         }
+        if ["DEGENERATE_PCURVE", "EVALUATED_DEGENERATE_PCURVE"].iter().any(|k| entity.is(k)) {
+            return Ok(Vec::new());
+        }
+        if entity.first().keyword == "POLYLINE" {
+            let corners = self.polyline_points(&entity)?;
+            pieces.extend(corners.windows(2).filter(|w| w[0] != w[1]).map(|w| {
+                let curve = Curve::Line { origin: w[0], direction: w[1] - w[0] };
+                Piece { curve, range: [0.0, 1.0], entity: id }
+            }));
+            return Ok(Vec::new());
+        }
         let Some((record, at)) = segments(&entity) else {
             let mapped = self.curve_in_chain(id, depth + 1)?;
-            let range = mapped.trim.unwrap_or(mapped.curve.domain());
+            let range = mapped.range();
             if !range.iter().all(|t| t.is_finite()) {
                 return Err(problem(&entity, "a segment has no ends"));
             }
             pieces.push(Piece { curve: mapped.curve, range, entity: id });
-            return Ok(());
+            return Ok(mapped.repairs);
         };
         self.charge(&entity, record.list(at).len())?;
+        let mut repairs = Vec::new();
         for id in record.references(at) {
             let segment = self.entity(id)?;
             let record = segment.record("COMPOSITE_CURVE_SEGMENT").unwrap_or(segment.first());
             let start = pieces.len();
-            self.pieces(reference(id, record, 2)?, depth + 1, pieces)?;
+            repairs.extend(self.pieces(reference(id, record, 2)?, depth + 1, pieces)?);
             if record.logical(1) == Some(false) {
                 pieces[start..].reverse();
                 pieces[start..].iter_mut().for_each(|piece| piece.range.reverse());
             }
         }
-        Ok(())
+        Ok(repairs)
     }
 
     /// A composite curve as one B-spline, exactly.
-    pub fn composite_curve(&self, entity: &Entity, depth: usize) -> Mapped<Curve> {
+    pub fn composite_curve(&self, entity: &Entity, depth: usize) -> Mapped<MappedCurve> {
         let mut pieces = Vec::new();
-        self.pieces(entity.id, depth, &mut pieces)?;
+        let repairs = self.pieces(entity.id, depth, &mut pieces)?;
         let size = pieces.iter().map(Piece::reach).fold(0.0, f64::max);
         pieces.retain(|piece| piece.reach() > 0.0);
+        turn(&mut pieces);
         if pieces.windows(2).any(|pair| pair[0].at(1.0).distance(pair[1].at(0.0)) > MEETING * size) {
             return Err(problem(entity, "the segments do not meet"));
         }
         let splines: Vec<_> = pieces.iter().map(|p| curve_to_bspline(&p.curve, p.range)).collect();
         let joined = join_curves(&splines).map_err(|error| problem(entity, error.to_string()))?;
-        Ok(Curve::Bspline(joined))
+        Ok(MappedCurve { repairs, ..Curve::Bspline(joined).into() })
+    }
+}
+
+/// Turns pieces round that start where they should end; senses in files are often wrong.
+pub fn turn(pieces: &mut [Piece]) {
+    if let [first, second, ..] = pieces {
+        let near = |s: f64| {
+            [0.0, 1.0]
+                .map(|end| first.at(s).distance(second.at(end)))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        if near(0.0) < near(1.0) && pieces.len() > 2 {
+            pieces[0].range.reverse();
+        }
+    }
+    for i in 1..pieces.len() {
+        let tail = pieces[i - 1].at(1.0);
+        if pieces[i].at(1.0).distance(tail) < pieces[i].at(0.0).distance(tail) {
+            pieces[i].range.reverse();
+        }
     }
 }

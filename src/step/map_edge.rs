@@ -1,5 +1,6 @@
 //! Vertices and edges (ISO 10303-42, clause 5): where each edge runs on its curve.
 
+use super::map_curve::MappedCurve;
 use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
 use super::value::Entity;
 use crate::brep::{Edge, Id, Severity, Vertex};
@@ -23,7 +24,7 @@ impl Reader<'_> {
         let record =
             entity.record("VERTEX_POINT").ok_or_else(|| problem(&entity, "expected a VERTEX_POINT"))?;
         let at = if entity.records.len() > 1 { 0 } else { 1 };
-        let point = self.point(reference(id, record, at)?)?;
+        let point = self.vertex_point(reference(id, record, at)?, 0)?;
         let vertex = self.model.vertices.push(Vertex { point, entity: id });
         self.vertices.insert(id, vertex);
         Ok(vertex)
@@ -67,15 +68,27 @@ impl Reader<'_> {
         let complex = entity.records.len() > 1;
         let ends = entity.record("EDGE").filter(|_| complex).unwrap_or(entity.first());
         let at = if complex { 0 } else { 1 };
-        let start = self.vertex(reference(id, ends, at)?)?;
-        let end = self.vertex(reference(id, ends, at + 1)?)?;
-        let (curve, same_sense) = self.edge_geometry(entity);
+        let ends = [at, at + 1].map(|at| reference(id, ends, at));
+        let [start, end] = ends.map(|vertex| vertex.and_then(|vertex| self.vertex(vertex)));
+        let (curve, same_sense) = self.edge_geometry(entity, 0);
+        let carrier = curve.clone().and_then(|id| self.curve(id));
+        let (start, end) = match (start, end) {
+            (Ok(start), Ok(end)) => (start, end),
+            given => self.ends_of(entity, given.into(), carrier.as_ref().ok(), same_sense)?,
+        };
         let points = [start, end].map(|v| self.model.vertices[v].point);
-        let edge = match curve.and_then(|id| self.curve(id)) {
+        let carrier = match carrier {
+            Err(reason) => self.lifted_edge(curve, points).ok_or(reason),
+            carrier => carrier,
+        };
+        let edge = match carrier {
             Ok(mapped) => {
                 let closed = start == end || points[0].distance(points[1]) <= SAME_POINT;
                 let range = edge_range(&mapped.curve, points, closed, same_sense);
                 let pcurves = self.pcurves(&mapped.pcurves, &mapped.curve);
+                for repair in mapped.repairs {
+                    self.report(Severity::Repaired, repair);
+                }
                 Edge { curve: mapped.curve, range, vertices: [start, end], pcurves, entity: id }
             }
             Err(reason) if points[0].distance(points[1]) > SAME_POINT => {
@@ -91,20 +104,74 @@ impl Reader<'_> {
         Ok(edge)
     }
 
-    /// The curve of an edge and whether the edge runs in its sense.
-    fn edge_geometry(&self, entity: &Entity) -> (Mapped<u64>, bool) {
+    /// The vertices of an edge that lacks one: those that are `given`, and the ends of its curve where that has ends.
+    fn ends_of(
+        &mut self,
+        entity: &Entity,
+        given: [Mapped<Id<Vertex>>; 2],
+        carrier: Option<&MappedCurve>,
+        same_sense: bool,
+    ) -> Mapped<(Id<Vertex>, Id<Vertex>)> {
+        let reason = given.iter().find_map(|vertex| vertex.clone().err());
+        let reason = reason.unwrap_or_else(|| problem(entity, "the edge has no vertices"));
+        let Some(carrier) = carrier.filter(|c| c.range().iter().all(|t| t.is_finite())) else {
+            return Err(reason);
+        };
+        let mut range = carrier.range();
+        if !same_sense {
+            range.reverse();
+        }
+        let points = range.map(|t| carrier.curve.point(t));
+        let is_closed = points[0].distance(points[1]) <= SAME_POINT;
+        let Problem { entity: at, kind, reason } = reason;
+        let reason = format!("{kind} #{at}: {reason}; the edge ends where its curve does");
+        self.report(Severity::Repaired, problem(entity, reason));
+        let mut end = |i: usize| {
+            let vertex = || Vertex { point: points[i], entity: entity.id };
+            given[i].clone().unwrap_or_else(|_| self.model.vertices.push(vertex()))
+        };
+        let start = end(0);
+        Ok((start, if is_closed { start } else { end(1) }))
+    }
+
+    /// The curve of an edge that has one in a parameter plane alone.
+    fn lifted_edge(&self, curve: Mapped<u64>, points: [DVec3; 2]) -> Option<MappedCurve> {
+        let id = curve.ok()?;
+        let entity = self.entity(id).ok()?;
+        if entity.is("PCURVE") {
+            return self.lifted(id, Some(points), 0).ok();
+        }
+        let record = entity.record("SURFACE_CURVE").unwrap_or(entity.first());
+        let pcurves = record.references(if entity.records.len() > 1 { 1 } else { 2 });
+        pcurves.into_iter().find_map(|pcurve| self.lifted(pcurve, Some(points), 0).ok())
+    }
+
+    /// The curve of an edge and whether the edge runs in its sense; that of its parent for a SUBEDGE.
+    fn edge_geometry(&self, entity: &Entity, depth: usize) -> (Mapped<u64>, bool) {
         if let Some(record) = entity.record("EDGE_CURVE") {
             let at = if entity.records.len() > 1 { 0 } else { 3 };
             return (reference(entity.id, record, at), record.logical(at + 1) != Some(false));
         }
-        // A SUBEDGE lies on its parent's curve.
         let parent = entity.record("SUBEDGE").and_then(|r| r.parameters.last()).and_then(|p| p.reference());
-        let parent = parent.and_then(|id| self.entity(id).ok());
-        let record = parent.as_ref().and_then(|p| p.record("EDGE_CURVE"));
-        match record {
-            Some(record) => (reference(entity.id, record, 3), record.logical(4) != Some(false)),
-            None => (Err(problem(entity, "the edge has no curve")), true),
+        match parent.and_then(|id| self.entity(id).ok()) {
+            Some(parent) if depth < MAX_CHAIN => {
+                if let Some(oriented) = parent.record("ORIENTED_EDGE") {
+                    let element = oriented.reference(3).and_then(|id| self.entity(id).ok());
+                    if let Some(element) = element {
+                        let (curve, same_sense) = self.edge_geometry(&element, depth + 1);
+                        return (curve, same_sense ^ (oriented.logical(4) == Some(false)));
+                    }
+                }
+                self.edge_geometry(&parent, depth + 1)
+            }
+            _ => (Err(problem(entity, "the edge has no curve")), true),
         }
+    }
+
+    /// A straight edge between two vertices.
+    pub fn straight_edge(&mut self, [start, end]: [Id<Vertex>; 2], entity: u64) -> Id<Edge> {
+        let points = [start, end].map(|v| self.model.vertices[v].point);
+        self.model.edges.push(line_edge(start, end, points, entity))
     }
 
     /// The straight edge between two vertices of a poly loop, and whether it was made the other way round.
@@ -113,8 +180,7 @@ impl Reader<'_> {
         if let Some(&known) = self.poly_edges.get(&key) {
             return (known, self.model.edges[known].vertices[0] != start);
         }
-        let points = [start, end].map(|v| self.model.vertices[v].point);
-        let edge = self.model.edges.push(line_edge(start, end, points, entity));
+        let edge = self.straight_edge([start, end], entity);
         self.poly_edges.insert(key, edge);
         (edge, false)
     }

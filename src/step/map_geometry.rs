@@ -1,22 +1,9 @@
-//! Points, placements and curves (ISO 10303-42, clause 4).
+//! Points, directions, placements and transformations (ISO 10303-42, clauses 4.3 and 4.4).
 
-use super::map_bspline;
-use super::map_composite;
-use super::reader::{MAX_CHAIN, Mapped, Reader, problem, real, reference};
+use super::reader::{Mapped, Reader, problem, real, reference};
 use super::value::{Entity, Record, Value};
-use crate::geometry::{BsplineCurve, Curve, Frame, Homogeneous, Homogeneous3, invert_curve};
+use crate::geometry::Frame;
 use glam::{DAffine3, DMat3, DVec3};
-
-/// A curve, and what a file says around it.
-#[derive(Debug, Clone)]
-pub struct MappedCurve {
-    /// The carrier, in millimetres; its parameter is the file's, angles in radians.
-    pub curve: Curve,
-    /// The range of a TRIMMED_CURVE.
-    pub trim: Option<[f64; 2]>,
-    /// The parameter-space curves of a SURFACE_CURVE.
-    pub pcurves: Vec<u64>,
-}
 
 impl Reader<'_> {
     /// A CARTESIAN_POINT in millimetres; missing coordinates are 0.
@@ -72,7 +59,7 @@ impl Reader<'_> {
         let entity = self.entity(id)?;
         let record = entity.first();
         match &*record.keyword {
-            "AXIS2_PLACEMENT_3D" => {
+            "AXIS2_PLACEMENT_3D" | "FEA_AXIS2_PLACEMENT_3D" => {
                 let origin = self.point(reference(id, record, 1)?)?;
                 let (axis, reference) =
                     (self.optional_direction(record, 2), self.optional_direction(record, 3));
@@ -147,102 +134,6 @@ impl Reader<'_> {
             _ => frame.y,
         };
         Ok(DAffine3::from_mat3_translation(DMat3::from_cols(frame.x, y, frame.z) * scale, origin))
-    }
-
-    /// Any curve that we have a form for.
-    pub fn curve(&self, id: u64) -> Mapped<MappedCurve> {
-        self.curve_in_chain(id, 0)
-    }
-
-    /// Curve `id`, `depth` references down a chain of curves.
-    pub fn curve_in_chain(&self, id: u64, depth: usize) -> Mapped<MappedCurve> {
-        let entity = self.entity(id)?;
-        if depth > MAX_CHAIN {
-            return Err(problem(&entity, "curves refer to each other in a circle"));
-        }
-        let plain = |curve| Ok(MappedCurve { curve, trim: None, pcurves: Vec::new() });
-        if let Some(surface_curve) = entity.record("SURFACE_CURVE").filter(|_| entity.records.len() > 1) {
-            return self.surface_curve(&entity, surface_curve, 0, depth);
-        }
-        if map_bspline::is_curve(&entity) {
-            return plain(Curve::Bspline(map_bspline::curve(self, &entity)?));
-        }
-        if map_composite::segments(&entity).is_some() {
-            return plain(self.composite_curve(&entity, depth + 1)?);
-        }
-        let record = entity.first();
-        let frame = || self.placement(reference(id, record, 1)?);
-        let length = |at| positive_length(self, &entity, record, at);
-        match &*record.keyword {
-            "LINE" => {
-                let origin = self.point(reference(id, record, 1)?)?;
-                plain(Curve::Line { origin, direction: self.vector(reference(id, record, 2)?)? })
-            }
-            "CIRCLE" => plain(Curve::Circle { frame: frame()?, radius: length(2)? }),
-            "ELLIPSE" => plain(Curve::Ellipse { frame: frame()?, radii: [length(2)?, length(3)?] }),
-            "PARABOLA" => plain(Curve::Parabola { frame: frame()?, focal: length(2)? }),
-            "HYPERBOLA" => plain(Curve::Hyperbola { frame: frame()?, radii: [length(2)?, length(3)?] }),
-            "POLYLINE" => plain(Curve::Bspline(self.polyline(&entity)?)),
-            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "BOUNDED_SURFACE_CURVE" => {
-                self.surface_curve(&entity, record, 1, depth)
-            }
-            "TRIMMED_CURVE" => {
-                let basis = self.curve_in_chain(reference(id, record, 1)?, depth + 1)?;
-                let trim = self.trim_range(&basis.curve, record);
-                Ok(MappedCurve { trim: trim.or(basis.trim), ..basis })
-            }
-            "CURVE_REPLICA" => {
-                let parent = self.curve_in_chain(reference(id, record, 1)?, depth + 1)?;
-                let curve = parent.curve.transformed(&self.transform(reference(id, record, 2)?)?);
-                Ok(MappedCurve { curve, pcurves: Vec::new(), ..parent })
-            }
-            _ => Err(problem(&entity, "this kind of curve is not supported")),
-        }
-    }
-
-    fn surface_curve(
-        &self,
-        entity: &Entity,
-        record: &Record,
-        at: usize,
-        depth: usize,
-    ) -> Mapped<MappedCurve> {
-        let curve = self.curve_in_chain(reference(entity.id, record, at)?, depth + 1)?;
-        Ok(MappedCurve { pcurves: record.references(at + 1), ..curve })
-    }
-
-    fn polyline(&self, entity: &Entity) -> Mapped<BsplineCurve<Homogeneous3>> {
-        let mut points = Vec::new();
-        self.charge(entity, entity.first().list(1).len())?;
-        for id in entity.first().references(1) {
-            points.push(Homogeneous::new(self.point(id)?, 1.0));
-        }
-        let last = points.len().saturating_sub(1);
-        let knots = (0..points.len() + 2).map(|i| i.saturating_sub(1).min(last) as f64).collect();
-        BsplineCurve::new(1, knots, points).map_err(|error| problem(entity, error.to_string()))
-    }
-
-    /// The parameters of a TRIMMED_CURVE on its basis, in the curve's sense.
-    fn trim_range(&self, basis: &Curve, record: &Record) -> Option<[f64; 2]> {
-        let is_angle = matches!(basis, Curve::Circle { .. } | Curve::Ellipse { .. });
-        let factor = if is_angle { self.units.radians } else { 1.0 };
-        let end = |at: usize| {
-            let trims = record.list(at);
-            let parameter = trims.iter().find(|v| matches!(v, Value::Typed(..) | Value::Real(_)));
-            parameter.and_then(Value::real).map(|t| t * factor).or_else(|| {
-                let point = trims.iter().find_map(Value::reference)?;
-                Some(invert_curve(basis, self.point(point).ok()?, None))
-            })
-        };
-        let (from, to) = (end(2)?, end(3)?);
-        let range = if record.logical(4) == Some(false) { [to, from] } else { [from, to] };
-        match basis.period() {
-            Some(period) if range[1] <= range[0] => {
-                let turns = ((range[0] - range[1]) / period).floor() + 1.0;
-                Some([range[0], range[1] + turns * period])
-            }
-            _ => Some(range).filter(|r| r[0] < r[1]),
-        }
     }
 }
 

@@ -16,7 +16,8 @@ impl Reader<'_> {
     fn pcurve(&mut self, id: u64, curve: &Curve) -> Mapped<Option<Pcurve>> {
         let entity = self.entity(id)?;
         let Some(record) = entity.record("PCURVE") else { return Ok(None) };
-        let basis = reference(id, record, 1)?;
+        let at = if entity.records.len() > 1 { 0 } else { 1 };
+        let basis = reference(id, record, at)?;
         // What a swept surface becomes depends on the face, and its parameters are not kept.
         if RESHAPED.contains(&&*self.keyword(basis)) {
             return Ok(None);
@@ -25,7 +26,7 @@ impl Reader<'_> {
         if !keeps_parameters {
             return Ok(None);
         }
-        let representation = self.referred(id, record, 2)?;
+        let representation = self.referred(id, record, at + 1)?;
         let item = representation.first().references(1).first().copied();
         let item = item.ok_or_else(|| problem(&representation, "there is no item"))?;
         let scale = self.parameter_scale(&self.model.surfaces[surface]);

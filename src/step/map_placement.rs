@@ -6,7 +6,7 @@ use super::reader::{Mapped, Problem, Reader, problem, reference};
 use super::value::{Entity, Record};
 use crate::brep::{Child, Color, Id, Part, Severity};
 use glam::DAffine3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 impl Assembly {
     pub fn place_mapped_items(&mut self, reader: &mut Reader, styles: &Styles) {
@@ -89,6 +89,9 @@ impl Assembly {
         for &(group, product) in &self.described {
             groups_of.entry(product).and_modify(|known| *known = group.min(*known)).or_insert(group);
         }
+        let children =
+            |id: Id<Part>| reader.model.parts[id].children.iter().map(move |child| (id, child.part));
+        let placed: HashSet<_> = reader.model.parts.ids().flat_map(children).collect();
         let (mut first, mut count) = (0, 0);
         for &id in usages.iter().filter(|&id| !self.placed_usages.contains(id)).collect::<Vec<_>>() {
             let Ok(entity) = reader.entity(id) else { continue };
@@ -100,8 +103,8 @@ impl Assembly {
             let (Some(parent), Some(child)) = (group(3), group(4)) else { continue };
             // A part without bodies and children has nothing to show; one that a mapped item places is there already.
             let Some(part) = self.known_part(child) else { continue };
-            let places = |p: Id<Part>| reader.model.parts[p].children.iter().any(|c| c.part == part);
-            if self.hidden.contains(&part) || self.known_part(parent).is_some_and(places) {
+            let is_placed = |parent: Id<Part>| placed.contains(&(parent, part));
+            if self.hidden.contains(&part) || self.known_part(parent).is_some_and(is_placed) {
                 continue;
             }
             let occurrence = Occurrence { name: usage_name(usage), color: None, is_hidden: false };

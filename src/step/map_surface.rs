@@ -1,17 +1,12 @@
-//! Surfaces (ISO 10303-42, clause 4.5). Those swept from a curve are in [`super::map_swept`].
+//! Surfaces (ISO 10303-42, clause 4.5). Those with radii are in [`super::map_round`], those swept from a curve in
+//! [`super::map_swept`].
 
 use super::map_bspline;
-use super::map_geometry::positive_length;
 use super::map_swept;
-use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, SurfaceUse, problem, real, reference};
-use super::value::{Entity, Record};
+use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, SurfaceUse, problem, reference};
 use crate::brep::Severity;
-use crate::geometry::{Frame, Surface};
+use crate::geometry::Surface;
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
-
-/// Angles below this make a cone a cylinder: over 10 m the radius then changes by less than 1e-5 mm.
-const LEAST_CONE_ANGLE: f64 = 1e-9;
 
 /// Surfaces that take another form, so that their parameters are not kept and their extent may depend on the face.
 pub const RESHAPED: [&str; 6] = [
@@ -35,11 +30,27 @@ pub struct MappedSurface {
     pub fits_one_face: bool,
     /// How far it may be from the file's surface, in millimetres, where it is not the same.
     pub deviation: f64,
+    /// What had to be mended.
+    pub repairs: Vec<Problem>,
 }
 
 impl MappedSurface {
-    fn plain(surface: Surface) -> Self {
-        Self { surface, flipped: false, keeps_parameters: true, fits_one_face: false, deviation: 0.0 }
+    /// A surface as the file has it.
+    pub fn plain(surface: Surface) -> Self {
+        Self {
+            surface,
+            flipped: false,
+            keeps_parameters: true,
+            fits_one_face: false,
+            deviation: 0.0,
+            repairs: Vec::new(),
+        }
+    }
+
+    /// The same with repairs.
+    pub fn with(mut self, repairs: impl IntoIterator<Item = Problem>) -> Self {
+        self.repairs.extend(repairs);
+        self
     }
 }
 
@@ -54,6 +65,9 @@ impl Reader<'_> {
             let kind = self.keyword(id).into_owned();
             let reason = format!("approximated within {:.1e} mm", mapped.deviation);
             self.report(Severity::Warning, Problem { entity: id, kind, reason });
+        }
+        for repair in mapped.repairs {
+            self.report(Severity::Repaired, repair);
         }
         let surface_use = SurfaceUse {
             id: self.model.surfaces.push(mapped.surface),
@@ -73,25 +87,20 @@ impl Reader<'_> {
             return Err(problem(&entity, "surfaces refer to each other in a circle"));
         }
         if map_bspline::is_surface(&entity) {
-            return map_bspline::surface(self, &entity).map(|s| MappedSurface::plain(Surface::Bspline(s)));
+            let (spline, repair) = map_bspline::surface(self, &entity)?;
+            let repair = repair.map(|reason| problem(&entity, reason));
+            return Ok(MappedSurface::plain(Surface::Bspline(spline)).with(repair));
         }
         let record = entity.first();
         let frame = || self.placement(reference(id, record, 1)?);
-        let length = |at| positive_length(self, &entity, record, at);
         match &*record.keyword {
             "PLANE" => Ok(MappedSurface::plain(Surface::Plane { frame: frame()? })),
-            "CYLINDRICAL_SURFACE" => {
-                Ok(MappedSurface::plain(Surface::Cylinder { frame: frame()?, radius: length(2)? }))
-            }
-            "SPHERICAL_SURFACE" => {
-                Ok(MappedSurface::plain(Surface::Sphere { frame: frame()?, radius: length(2)? }))
-            }
-            "CONICAL_SURFACE" => self.cone(&entity, record, frame()?).map(MappedSurface::plain),
-            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => {
-                self.torus(&entity, record, frame()?).map(MappedSurface::plain)
-            }
-            "SURFACE_OF_LINEAR_EXTRUSION" => map_swept::extrusion(self, &entity, samples),
-            "SURFACE_OF_REVOLUTION" => map_swept::revolution(self, &entity, samples),
+            "CYLINDRICAL_SURFACE" => self.cylinder(&entity, record, frame()?),
+            "SPHERICAL_SURFACE" => self.sphere(&entity, record, frame()?),
+            "CONICAL_SURFACE" => self.cone(&entity, record, frame()?),
+            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => self.torus(&entity, record, frame()?),
+            "SURFACE_OF_LINEAR_EXTRUSION" => map_swept::extrusion(self, &entity, samples, depth),
+            "SURFACE_OF_REVOLUTION" => map_swept::revolution(self, &entity, samples, depth),
             "RECTANGULAR_TRIMMED_SURFACE" => {
                 let basis = self.map_surface(reference(id, record, 1)?, samples, depth + 1)?;
                 let against = |at| record.logical(at) == Some(false);
@@ -115,39 +124,11 @@ impl Reader<'_> {
                     surface,
                     flipped: parent.flipped ^ turned ^ mirrored,
                     keeps_parameters: false,
-                    fits_one_face: parent.fits_one_face,
-                    deviation: parent.deviation,
+                    ..parent
                 })
             }
             "OFFSET_SURFACE" => self.offset(&entity, samples, depth),
             _ => Err(problem(&entity, "this kind of surface is not supported")),
         }
-    }
-
-    fn cone(&self, entity: &Entity, record: &Record, frame: Frame) -> Mapped<Surface> {
-        let radius = real(entity.id, record, 2)? * self.units.millimetres;
-        let half_angle = real(entity.id, record, 3)? * self.units.radians;
-        if radius < 0.0 || !radius.is_finite() {
-            return Err(problem(entity, "the radius is negative"));
-        }
-        if half_angle.abs() < LEAST_CONE_ANGLE && radius > 0.0 {
-            return Ok(Surface::Cylinder { frame, radius });
-        }
-        if half_angle.abs() < LEAST_CONE_ANGLE || half_angle.abs() > FRAC_PI_2 - LEAST_CONE_ANGLE {
-            return Err(problem(entity, "the half angle is not between 0° and 90°"));
-        }
-        Ok(Surface::Cone { frame, radius, half_angle })
-    }
-
-    fn torus(&self, entity: &Entity, record: &Record, frame: Frame) -> Mapped<Surface> {
-        let major = real(entity.id, record, 2)? * self.units.millimetres;
-        let minor = positive_length(self, entity, record, 3)?;
-        if major == 0.0 {
-            return Ok(Surface::Sphere { frame, radius: minor });
-        }
-        if major < 0.0 || !major.is_finite() {
-            return Err(problem(entity, "the major radius is negative"));
-        }
-        Ok(Surface::Torus { frame, major, minor })
     }
 }

@@ -4,7 +4,8 @@
 //! costs a ray least. All others become rational B-splines, also exactly, over the range that the face needs: an
 //! extrusion has no end of its own, so the points of the face's boundary give it one.
 
-use super::map_geometry::MappedCurve;
+use super::map_curve::MappedCurve;
+use super::map_meridian::{conic_vertex, is_on_axis, meridian_side, one_side, turned_to};
 use super::map_surface::MappedSurface;
 use super::reader::{Mapped, Reader, problem, reference};
 use super::value::Entity;
@@ -14,21 +15,21 @@ use std::f64::consts::TAU;
 
 /// Sines of angles below this count as parallel: directions of files have some 1e-12 of noise and more where
 /// systems compute in single precision on the way, yet a recognised form off by this much moves 1 m by 1e-6 mm.
-const PARALLEL: f64 = 1e-9;
+pub const PARALLEL: f64 = 1e-9;
 
 /// What a range from boundary samples is widened by, as a part of its length: sampling misses an extreme between neighbours.
 const WIDENING: f64 = 0.05;
 
 /// `SURFACE_OF_LINEAR_EXTRUSION(name, swept curve, extrusion axis)`: `C(u) + v · axis`.
-pub fn extrusion(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped<MappedSurface> {
+pub fn extrusion(reader: &Reader, entity: &Entity, samples: &[DVec3], depth: usize) -> Mapped<MappedSurface> {
     let record = entity.first();
-    let profile = reader.curve(reference(entity.id, record, 1)?)?;
+    let profile = reader.curve_in_chain(reference(entity.id, record, 1)?, depth + 1)?;
     let axis = reader.vector(reference(entity.id, record, 2)?)?;
     let along = axis.normalize();
     if let Some((surface, normal_at)) = recognise_extrusion(&profile.curve, along) {
         let derivatives = profile.curve.derivatives(normal_at);
         let normal = derivatives.first.cross(along);
-        return Ok(recognised(surface, derivatives.point, normal));
+        return Ok(recognised(surface, derivatives.point, normal).with(profile.repairs));
     }
     let flat = |p: DVec3| project_along(&profile.curve, p, along);
     let flat_samples: Vec<DVec3> = samples.iter().map(|&p| flat(p)).collect();
@@ -44,13 +45,19 @@ pub fn extrusion(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped<
     if v_range[1] <= v_range[0] {
         return Err(problem(entity, "the face has no extent along the extrusion"));
     }
-    Ok(cut_to_fit(Surface::Bspline(to_bspline::extrude(&spline, along, v_range))))
+    let surface = Surface::Bspline(to_bspline::extrude(&spline, along, v_range));
+    Ok(cut_to_fit(surface).with(profile.repairs))
 }
 
 /// `SURFACE_OF_REVOLUTION(name, swept curve, axis1 placement)`: `C(v)` turned by u.
-pub fn revolution(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped<MappedSurface> {
+pub fn revolution(
+    reader: &Reader,
+    entity: &Entity,
+    samples: &[DVec3],
+    depth: usize,
+) -> Mapped<MappedSurface> {
     let record = entity.first();
-    let profile = reader.curve(reference(entity.id, record, 1)?)?;
+    let profile = reader.curve_in_chain(reference(entity.id, record, 1)?, depth + 1)?;
     let axis = reader.placement(reference(entity.id, record, 2)?)?;
     match &profile.curve {
         Curve::Line { origin, direction } => {
@@ -59,8 +66,13 @@ pub fn revolution(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped
             }
         }
         Curve::Circle { frame, radius } => {
-            if let Some(surface) = revolved_circle(&axis, frame, *radius) {
-                let t = parameter_off_axis(&profile, &axis);
+            let known = revolved_circle(&axis, frame, *radius);
+            // A spindle torus has two sheets, and the circle makes both: the half of it that is meant makes one.
+            let known = known.filter(|s| !matches!(s, Surface::Torus { major, minor, .. } if minor > major));
+            if let Some(surface) = known {
+                let side = meridian_side(&axis, &profile, frame, samples);
+                let t =
+                    profile.trim.map_or(side.dot(frame.y).atan2(side.dot(frame.x)), |[a, b]| 0.5 * (a + b));
                 let derivatives = profile.curve.derivatives(t);
                 let normal = axis.z.cross(derivatives.point - axis.origin).cross(derivatives.first);
                 return Ok(recognised(surface, derivatives.point, normal));
@@ -74,26 +86,32 @@ pub fn revolution(reader: &Reader, entity: &Entity, samples: &[DVec3]) -> Mapped
             let (start, rise) = (axis.local_point(*origin).z, direction.dot(axis.z));
             heights.map(|h| widened(h.map(|z| (z - start) / rise))).map(sorted)
         }
-        curve => {
-            let in_plane: Vec<DVec3> = samples.iter().map(|&p| turned_to(&axis, p, curve)).collect();
-            profile_range(&profile, &in_plane)
-        }
+        curve => match conic_frame(curve) {
+            Some(frame) => {
+                let side = meridian_side(&axis, &profile, frame, samples);
+                let vertex = conic_vertex(curve).filter(|&p| is_on_axis(&axis, p, samples));
+                let turned = samples.iter().map(|&p| turned_to(&axis, p, side));
+                let in_plane: Vec<DVec3> = turned.chain(vertex).collect();
+                profile_range(&profile, &in_plane).map(|range| one_side(&axis, curve, range, side))
+            }
+            None => profile_range(&profile, samples),
+        },
     };
     let range = range
         .filter(|r| r[1] > r[0] && r[0].is_finite() && r[1].is_finite())
         .ok_or_else(|| problem(entity, "the face does not bound the revolved curve"))?;
     let spline = to_bspline::curve_to_bspline(&profile.curve, range);
-    Ok(cut_to_fit(Surface::Bspline(to_bspline::revolve(&spline, &axis))))
+    Ok(cut_to_fit(Surface::Bspline(to_bspline::revolve(&spline, &axis))).with(profile.repairs))
 }
 
 fn cut_to_fit(surface: Surface) -> MappedSurface {
-    MappedSurface { surface, flipped: false, keeps_parameters: false, fits_one_face: true, deviation: 0.0 }
+    MappedSurface { keeps_parameters: false, fits_one_face: true, ..MappedSurface::plain(surface) }
 }
 
 /// A recognised surface; `normal` is that of the file's surface at `point`.
 fn recognised(surface: Surface, point: DVec3, normal: DVec3) -> MappedSurface {
     let flipped = outward_normal(&surface, point).dot(normal) < 0.0;
-    MappedSurface { surface, flipped, keeps_parameters: false, fits_one_face: false, deviation: 0.0 }
+    MappedSurface { flipped, keeps_parameters: false, ..MappedSurface::plain(surface) }
 }
 
 /// The direction of `S_u × S_v` at a point of a recognised surface.
@@ -117,7 +135,7 @@ fn radial(frame: &Frame, point: DVec3) -> DVec3 {
 }
 
 /// A plane from a line, a cylinder from a circle along its normal; and a profile parameter to compare normals at.
-fn recognise_extrusion(profile: &Curve, along: DVec3) -> Option<(Surface, f64)> {
+pub fn recognise_extrusion(profile: &Curve, along: DVec3) -> Option<(Surface, f64)> {
     match profile {
         Curve::Line { origin, direction } => {
             let normal = direction.normalize().cross(along);
@@ -135,7 +153,12 @@ fn recognise_extrusion(profile: &Curve, along: DVec3) -> Option<(Surface, f64)> 
 }
 
 /// A plane, cylinder or cone from a line in a plane with the axis, or across it at a right angle; `None` for a hyperboloid.
-fn revolved_line(axis: &Frame, origin: DVec3, direction: DVec3, samples: &[DVec3]) -> Option<MappedSurface> {
+pub fn revolved_line(
+    axis: &Frame,
+    origin: DVec3,
+    direction: DVec3,
+    samples: &[DVec3],
+) -> Option<MappedSurface> {
     let rise = direction.dot(axis.z);
     if rise.abs() < PARALLEL {
         // Every point of the line stays at its height, whether or not the line meets the axis.
@@ -186,7 +209,7 @@ fn reaching_side(origin: DVec2, across: DVec2, radius: f64) -> f64 {
 }
 
 /// A sphere or a torus from a circle in a plane with the axis.
-fn revolved_circle(axis: &Frame, circle: &Frame, radius: f64) -> Option<Surface> {
+pub fn revolved_circle(axis: &Frame, circle: &Frame, radius: f64) -> Option<Surface> {
     let centre = axis.local_point(circle.origin);
     let size = radius.max(centre.length());
     let axis_in_plane = circle.z.dot(axis.z).abs() < PARALLEL
@@ -199,18 +222,6 @@ fn revolved_circle(axis: &Frame, circle: &Frame, radius: f64) -> Option<Surface>
     axis_in_plane.then_some(Surface::Torus { frame, major, minor: radius })
 }
 
-/// A parameter off the axis, in the half of a circle that is meant where it is centred on the axis and so covers its sphere
-/// twice: the middle of its trim, else the side of its own x axis.
-fn parameter_off_axis(profile: &MappedCurve, axis: &Frame) -> f64 {
-    let distance = |t: f64| axis.local_point(profile.curve.point(t)).truncate().length();
-    if let Some([from, to]) = profile.trim {
-        return 0.5 * (from + to);
-    }
-    let candidates = [0.0, 1.0, -1.0, 2.0, 3.0].map(|eighths| eighths * TAU / 8.0);
-    let farthest = candidates.iter().copied().map(distance).fold(0.0, f64::max);
-    candidates.into_iter().find(|&t| distance(t) >= farthest * (1.0 - PARALLEL)).unwrap_or(0.0)
-}
-
 /// `point` moved along `direction` into the plane of a conic; where it is for other curves.
 fn project_along(profile: &Curve, point: DVec3, direction: DVec3) -> DVec3 {
     match conic_frame(profile) {
@@ -221,17 +232,8 @@ fn project_along(profile: &Curve, point: DVec3, direction: DVec3) -> DVec3 {
     }
 }
 
-/// `point` turned about the axis to the side of the axis on which the profile's frame lies.
-fn turned_to(axis: &Frame, point: DVec3, profile: &Curve) -> DVec3 {
-    let local = axis.local_point(point);
-    let side = conic_frame(profile).map_or(axis.x, |frame| {
-        let across = frame.z.cross(axis.z).normalize_or(axis.x);
-        if across.dot(frame.origin - axis.origin) < 0.0 { -across } else { across }
-    });
-    axis.origin + axis.z * local.z + side * local.truncate().length()
-}
-
-fn conic_frame(curve: &Curve) -> Option<&Frame> {
+/// The frame of a conic; `None` for other curves.
+pub fn conic_frame(curve: &Curve) -> Option<&Frame> {
     match curve {
         Curve::Circle { frame, .. }
         | Curve::Ellipse { frame, .. }
@@ -245,7 +247,8 @@ fn conic_frame(curve: &Curve) -> Option<&Frame> {
 fn profile_range(profile: &MappedCurve, samples: &[DVec3]) -> Option<[f64; 2]> {
     match &profile.curve {
         Curve::Line { .. } => None,
-        Curve::Circle { .. } | Curve::Ellipse { .. } => Some(profile.trim.unwrap_or([0.0, TAU])),
+        Curve::Circle { .. } | Curve::Ellipse { .. } => Some(sorted(profile.trim.unwrap_or([0.0, TAU]))),
+        Curve::Parabola { .. } | Curve::Hyperbola { .. } if samples.is_empty() => profile.trim.map(sorted),
         Curve::Parabola { frame, focal } => {
             let y = bounds(samples.iter().map(|&p| frame.local_point(p).y))?;
             Some(widened(y.map(|y| y / (2.0 * focal))))

@@ -5,7 +5,8 @@
 //! linked to an exact one that was imported, the tessellation is left out with a note. What annotations are drawn with is
 //! never shape.
 //!
-//! Faces are counted by triangles: each that an imported item lists, or that its strips and fans make, is declared. Points are
+//! Faces are counted by triangles: each with an area that an imported item lists, or that its strips and fans make, is
+//! declared. Points are
 //! welded where their coordinates are equal, since many systems write a list of points for each face.
 //!
 //! Invariants: each triangulated item is imported once, so that work and memory are linear in the file; each list of points
@@ -15,8 +16,8 @@ use super::catalog::Catalog;
 use super::map_assembly::{Assembly, Representation};
 use super::map_style::Styles;
 use super::reader::{MAX_CHAIN, Problem, Reader};
-use super::rows::{RawRecord, for_each_row};
-use super::scan::instance_name;
+use super::rows::for_each_row;
+use super::tessellated_item::{Fields, Triangles, corners_of_cubic};
 use super::value::Value;
 use crate::brep::{Body, BodyKind, Coedge, Color, Diagnostic, Face, Id, Part, Severity, TrimLoop, Vertex};
 use crate::geometry::{Frame, Surface};
@@ -75,7 +76,7 @@ pub fn map(reader: &mut Reader, assembly: &mut Assembly, catalog: &Catalog, styl
     for at in 0..assembly.order.len() {
         let id = assembly.order[at];
         let Representation { items, context, .. } = assembly.representations[&id].clone();
-        let items: Vec<u64> = items.into_iter().filter(|&item| kind(reader, item).is_some()).collect();
+        let items: Vec<u64> = items.into_iter().filter(|item| work.kinds.contains_key(item)).collect();
         if items.is_empty() {
             continue;
         }
@@ -107,10 +108,12 @@ fn map_loose(reader: &mut Reader, assembly: &mut Assembly, catalog: &Catalog, wo
     reader.model.source.unit = reader.units.length_unit();
     let mut items = catalog.tessellated.clone();
     let rank = |id: &u64| {
-        let kind = kind(reader, *id).unwrap_or_default();
-        CONTAINERS.iter().position(|container| *container == kind).unwrap_or(CONTAINERS.len())
+        CONTAINERS
+            .iter()
+            .position(|container| work.kinds.get(id) == Some(container))
+            .unwrap_or(CONTAINERS.len())
     };
-    items.sort_by_cached_key(rank);
+    items.sort_by_key(rank);
     let bodies: Vec<Body> = items.into_iter().filter_map(|item| work.body(reader, item, None)).collect();
     if !bodies.is_empty() {
         let reason = format!("{} bodies stand outside of any product; imported as one part", bodies.len());
@@ -138,6 +141,8 @@ impl Tally {
 /// The state of mapping tessellated items.
 struct Tessellation<'s> {
     styles: &'s Styles,
+    /// All tessellated surfaces by entity: looking at a long one each time that another names it would be quadratic.
+    kinds: HashMap<u64, &'static str>,
     /// Lists of points by entity, as the file gives them.
     points: HashMap<u64, Rc<Vec<DVec3>>>,
     /// Vertices of the body in the making, by their coordinates' bits.
@@ -157,17 +162,20 @@ impl<'s> Tessellation<'s> {
     fn new(reader: &Reader, catalog: &Catalog, styles: &'s Styles) -> Self {
         let drawn = |&id: &u64| {
             let entity = reader.entity(id).ok()?;
-            entity.records.iter().flat_map(|r| &r.parameters).filter_map(Value::reference).last()
+            entity.records.iter().flat_map(|r| &r.parameters).filter_map(Value::reference).next_back()
         };
+        let known = |&id: &u64| kind(reader, id).map(|kind| (id, kind));
+        let kinds: HashMap<u64, &'static str> = catalog.tessellated.iter().filter_map(known).collect();
         let mut annotations = HashSet::new();
         let mut waiting: Vec<u64> = catalog.tessellated_annotations.iter().filter_map(drawn).collect();
         while let Some(id) = waiting.pop() {
-            if annotations.insert(id) && kind(reader, id).is_some_and(|kind| CONTAINERS.contains(&kind)) {
+            if annotations.insert(id) && kinds.get(&id).is_some_and(|kind| CONTAINERS.contains(kind)) {
                 waiting.extend(Fields::of(reader, id).children());
             }
         }
         Self {
             styles,
+            kinds,
             points: HashMap::new(),
             welded: HashMap::new(),
             taken: HashSet::new(),
@@ -184,8 +192,8 @@ impl<'s> Tessellation<'s> {
     fn skip(&mut self, reader: &Reader, mut items: Vec<u64>) -> Vec<u64> {
         let mut skipped = Vec::new();
         while let Some(id) = items.pop() {
-            let Some(kind) = kind(reader, id).filter(|_| self.taken.insert(id)) else { continue };
-            if TRIANGULATED.contains(&kind) {
+            let Some(kind) = self.kinds.get(&id).filter(|_| self.taken.insert(id)) else { continue };
+            if TRIANGULATED.contains(kind) {
                 skipped.push(id);
             } else {
                 items.extend(Fields::of(reader, id).children());
@@ -203,7 +211,7 @@ impl<'s> Tessellation<'s> {
 
     /// The body of a tessellated item; `None` where nothing of it is to be imported.
     fn body(&mut self, reader: &mut Reader, id: u64, inherited: Option<Color>) -> Option<Body> {
-        let kind = kind(reader, id)?;
+        let kind = *self.kinds.get(&id).filter(|_| !self.taken.contains(&id))?;
         let fields = Fields::of(reader, id);
         let linked =
             matches!(kind, "TESSELLATED_SOLID" | "TESSELLATED_SHELL").then(|| fields.last_reference());
@@ -215,7 +223,7 @@ impl<'s> Tessellation<'s> {
         let mut faces = Vec::new();
         self.item(reader, id, Place { world_from_item: DAffine3::IDENTITY, depth: 0 }, inherited, &mut faces);
         let body_kind = if kind == "TESSELLATED_SOLID" { BodyKind::Solid } else { BodyKind::Sheet };
-        (!faces.is_empty()).then(|| Body { kind: body_kind, faces, name: fields.name, entity: id })
+        (!faces.is_empty()).then_some(Body { kind: body_kind, faces, name: fields.name, entity: id })
     }
 
     fn item(
@@ -226,7 +234,7 @@ impl<'s> Tessellation<'s> {
         inherited: Option<Color>,
         faces: &mut Vec<Id<Face>>,
     ) {
-        let Some(kind) = kind(reader, id) else { return };
+        let Some(&kind) = self.kinds.get(&id) else { return };
         if reader.taken_bodies.contains(&id) {
             // The file marks it as invisible, and that was said.
             self.skip(reader, vec![id]);
@@ -279,12 +287,15 @@ impl<'s> Tessellation<'s> {
         for_each_row(parts.pnindex, |row| pnindex.extend_from_slice(row));
         let millimetres = reader.units.millimetres;
         let mut triangle = |work: &mut Self, numbers: [f64; 3]| {
-            reader.model.declared_faces += 1;
             let corners = numbers.map(|number| corner(number, &pnindex));
-            let [Some(a), Some(b), Some(c)] = corners else { return work.astray.add(id) };
+            let [Some(a), Some(b), Some(c)] = corners else {
+                reader.model.declared_faces += 1;
+                return work.astray.add(id);
+            };
             let corners = [a, b, c].map(|p| world_from_item.transform_point3(p * millimetres));
             match work.facet(reader, corners, id, color) {
                 Some(face) => {
+                    reader.model.declared_faces += 1;
                     work.imported.add(id);
                     faces.push(face);
                 }
@@ -369,13 +380,13 @@ impl<'s> Tessellation<'s> {
     fn report(self, reader: &mut Reader, catalog: &Catalog) {
         let mut others = Tally::default();
         for &id in catalog.tessellated.iter().filter(|id| !self.taken.contains(id)) {
-            if kind(reader, id).is_some_and(|kind| TRIANGULATED.contains(&kind)) {
+            if self.kinds.get(&id).is_some_and(|kind| TRIANGULATED.contains(kind)) {
                 others.add(id);
             }
         }
         let mut say = |severity, tally: &Tally, reason: &str, lost: bool| {
             if tally.count > 0 {
-                let kind = kind(reader, tally.first).unwrap_or_default();
+                let kind = self.kinds.get(&tally.first).copied().unwrap_or_default();
                 let reason = format!("{} {reason}", tally.count);
                 let mut diagnostic = Diagnostic::new(severity, tally.first, kind, reason);
                 diagnostic.faces = if lost { u32::try_from(tally.count).unwrap_or(u32::MAX) } else { 0 };
@@ -390,7 +401,7 @@ impl<'s> Tessellation<'s> {
             "curved triangles imported as planar facets by their corners",
             false,
         );
-        say(Severity::Note, &self.flat, "triangles without an area are left out", true);
+        say(Severity::Note, &self.flat, "triangles without an area are left out", false);
         say(Severity::Dropped, &self.astray, "triangles name points that the file does not have", true);
         say(Severity::Note, &self.left_out, "tessellations left out beside exact shape", false);
         say(
@@ -407,119 +418,4 @@ impl<'s> Tessellation<'s> {
 struct Place {
     world_from_item: DAffine3,
     depth: usize,
-}
-
-/// How triangles are written.
-enum Triangles<'a> {
-    /// Three numbers each.
-    Single(&'a [u8]),
-    /// Strips and fans.
-    StripsAndFans(&'a [u8], &'a [u8]),
-    /// Ten control points each.
-    Cubic(&'a [u8]),
-}
-
-struct Parts<'a> {
-    pnindex: &'a [u8],
-    shape: Triangles<'a>,
-}
-
-/// The parameters of a tessellated item, its name aside, whether it is a simple or a complex instance.
-struct Fields<'a> {
-    name: String,
-    parameters: Vec<&'a [u8]>,
-    /// The placement of a repositioned item.
-    location: Option<u64>,
-}
-
-impl<'a> Fields<'a> {
-    fn of(reader: &Reader<'a>, id: u64) -> Self {
-        let mut records = reader.raw_records(id);
-        let reference = |text: &[u8]| single_reference(text);
-        if let [record] = records.as_mut_slice() {
-            let mut parameters = std::mem::take(&mut record.parameters);
-            let name = if parameters.is_empty() { Vec::new() } else { parameters.remove(0).to_vec() };
-            let is_moved = record.keyword.starts_with("REPOSITIONED");
-            let location = if is_moved { parameters.pop().and_then(reference) } else { None };
-            return Self { name: text_of(&name), parameters, location };
-        }
-        let of = |keyword: &str| records.iter().find(|r| r.keyword == keyword);
-        let own = |record: &RawRecord| {
-            is_tessellated(&record.keyword) && !record.keyword.starts_with("REPOSITIONED")
-        };
-        let inherited = ["TESSELLATED_FACE", "TESSELLATED_SURFACE_SET"].into_iter().filter_map(of);
-        let parameters =
-            inherited.chain(records.iter().filter(|r| own(r))).flat_map(|r| r.parameters.clone());
-        let name = of("REPRESENTATION_ITEM").and_then(|r| r.parameters.first());
-        let location = of("REPOSITIONED_TESSELLATED_ITEM").and_then(|r| r.parameters.last());
-        Self {
-            name: name.map(|name| text_of(name)).unwrap_or_default(),
-            location: location.and_then(|text| reference(text)),
-            parameters: parameters.collect(),
-        }
-    }
-
-    fn get(&self, at: usize) -> &'a [u8] {
-        self.parameters.get(at).copied().unwrap_or_default()
-    }
-
-    fn coordinates(&self) -> Option<u64> {
-        single_reference(self.get(0))
-    }
-
-    /// The link of a solid or shell to what it was made from.
-    fn last_reference(&self) -> Option<u64> {
-        single_reference(self.parameters.last()?)
-    }
-
-    /// The items of a container.
-    fn children(&self) -> Vec<u64> {
-        let text = self.get(0);
-        memchr::memchr_iter(b'#', text).filter_map(|at| instance_name(text, at)).map(|(id, _)| id).collect()
-    }
-
-    /// Coordinates, count, normals; a face then has a link; then, but for cubic ones, the indirection, and the triangles.
-    fn triangles(&self, kind: &str) -> Parts<'a> {
-        let at = if kind.ends_with("FACE") { 4 } else { 3 };
-        match kind {
-            "CUBIC_BEZIER_TRIANGULATED_FACE" => Parts {
-                pnindex: &[],
-                shape: Triangles::Cubic(self.parameters.last().copied().unwrap_or_default()),
-            },
-            "COMPLEX_TRIANGULATED_FACE" | "COMPLEX_TRIANGULATED_SURFACE_SET" => Parts {
-                pnindex: self.get(at),
-                shape: Triangles::StripsAndFans(self.get(at + 1), self.get(at + 2)),
-            },
-            _ => Parts { pnindex: self.get(at), shape: Triangles::Single(self.get(at + 1)) },
-        }
-    }
-}
-
-fn single_reference(text: &[u8]) -> Option<u64> {
-    let at = memchr::memchr(b'#', text)?;
-    instance_name(text, at).map(|(id, _)| id)
-}
-
-fn text_of(parameter: &[u8]) -> String {
-    let quoted = parameter.trim_ascii().strip_prefix(b"'").and_then(|text| text.strip_suffix(b"'"));
-    Value::Text(quoted.unwrap_or_default()).text().unwrap_or_default()
-}
-
-/// Which three of a cubic triangle's control points are its corners: those that span the most, whatever the order of the
-/// points. The others lie between them unless the triangle is curved beyond recognition.
-fn corners_of_cubic(points: &[Option<DVec3>]) -> [usize; 3] {
-    let mut best = ([usize::MAX; 3], -1.0);
-    // Ten points make 120 triangles; more points are none of a cubic one.
-    for i in 0..points.len().min(10) {
-        for j in i + 1..points.len().min(10) {
-            for k in j + 1..points.len().min(10) {
-                let [Some(a), Some(b), Some(c)] = [i, j, k].map(|at| points[at]) else { continue };
-                let area = (b - a).cross(c - a).length();
-                if area > best.1 {
-                    best = ([i, j, k], area);
-                }
-            }
-        }
-    }
-    best.0
 }

@@ -11,19 +11,28 @@
 mod catalog;
 mod decode;
 mod encoding;
+mod explain;
 mod external;
 mod groups;
 mod header;
 mod hidden;
 mod map_assembly;
+mod map_body;
 mod map_bounded;
 mod map_bspline;
 mod map_composite;
+mod map_curve;
 mod map_edge;
 mod map_geometry;
+mod map_lifted;
+mod map_meridian;
 mod map_offset;
 mod map_pcurve;
 mod map_placement;
+mod map_polyhedron;
+mod map_replica;
+mod map_round;
+mod map_solid;
 mod map_style;
 mod map_surface;
 mod map_swept;
@@ -35,8 +44,11 @@ mod reader;
 mod roots;
 mod rows;
 mod scan;
+mod sweep;
+mod tessellated_item;
 mod text;
 mod units;
+mod unreached;
 mod value;
 
 #[cfg(test)]
@@ -46,6 +58,8 @@ mod bounded_tests;
 #[cfg(test)]
 mod corpus_tests;
 #[cfg(test)]
+mod curve_tests;
+#[cfg(test)]
 mod style_tests;
 #[cfg(test)]
 mod surface_tests;
@@ -53,6 +67,8 @@ mod surface_tests;
 mod tessellated_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod topology_tests;
 
 use crate::brep::{Model, Severity};
 use reader::{Problem, Reader};
@@ -109,6 +125,7 @@ pub fn map(index: Index<'_>) -> Model {
         let reason = "the file refers to long statements too often; some were not read again".into();
         reader.report(Severity::Warning, Problem { entity: 0, kind: "file".into(), reason });
     }
+    explain::explain(&mut reader);
     reader.model
 }
 

@@ -68,11 +68,11 @@ pub struct Reader<'a> {
     /// How many more control points and coedges may be made. Each is named in a list of the file, by at least three bytes; a
     /// list that many entities share is copied for each, and a hostile file would make that quadratic.
     budget: Cell<usize>,
+    /// Mapped items, context-dependent shape representations and relationships whose placement the file marks as invisible.
+    pub hidden_placements: HashSet<u64>,
     /// How many more bytes of statements may be decoded. A statement is decoded again whenever it is reached again; a long one
     /// that many others refer to would make that quadratic.
     to_decode: Cell<usize>,
-    /// Mapped items, context-dependent shape representations and relationships whose placement the file marks as invisible.
-    pub hidden_placements: HashSet<u64>,
     /// Bodies and shells already mapped.
     pub taken_bodies: HashSet<u64>,
 }
@@ -110,7 +110,11 @@ impl<'a> Reader<'a> {
         let statement = self.index.find(id).ok_or_else(|| Problem {
             entity: id,
             kind: "reference".into(),
-            reason: "the file has no such entity".into(),
+            reason: if self.index.is_external(id) {
+                "the entity stands in another file".into()
+            } else {
+                "the file has no such entity".into()
+            },
         })?;
         let bytes = self.index.bytes;
         let fail = |reason: String| Problem {

@@ -21,6 +21,9 @@ pub fn find(reader: &mut Reader, hidden: &HashSet<Id<Part>>) {
     let mut reached = HashSet::new();
     let below = |id: Id<Part>| model.parts[id].children.iter().map(|c| c.part).collect::<Vec<_>>();
     reach(&mut reached, hidden.iter().copied().collect(), below);
+    let mut hidden_parts: Vec<_> = reached.iter().copied().collect();
+    hidden_parts.sort();
+    model.hidden_parts = hidden_parts;
     for circles in [false, true] {
         for id in model.parts.ids().filter(|id| shaped.contains(id)) {
             let is_root = if circles { with_bodies(&id) } else { !parents.contains_key(&id) };

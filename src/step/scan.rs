@@ -10,10 +10,10 @@
 //! Scopes of edition 1 are flattened: what is inside is as visible as everything else. References to other files
 //! (edition 3) are kept apart.
 //!
-//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
-//! and do not overlap; memory is linear in the number of statements.
+//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of
+//! several counts); ranges are inside the file and do not overlap; memory is linear in the number of statements.
 
-use memchr::{memchr, memmem};
+use memchr::{memchr, memchr3, memmem};
 use std::cell::OnceCell;
 use std::ops::Range;
 
@@ -50,7 +50,7 @@ pub struct Index<'a> {
     pub faults: Vec<Fault>,
     /// How many more there were.
     pub further_faults: usize,
-    /// Instances of a reference section that stand in other files: number, and where the file's name lies.
+    /// Instances of a reference section, sorted: number, and where the name of the file lies; an empty name is this file's.
     pub external: Vec<(u64, Range<usize>)>,
     /// Offsets of line breaks, found when a line number is first asked for.
     line_breaks: OnceCell<Vec<usize>>,
@@ -81,6 +81,11 @@ impl Index<'_> {
             return Some(offset);
         }
         self.statements.binary_search_by_key(&id, |s| s.id).ok()
+    }
+
+    /// Whether a reference section says that this instance stands in another file.
+    pub fn is_external(&self, id: u64) -> bool {
+        self.external.binary_search_by_key(&id, |(id, _)| *id).is_ok()
     }
 
     /// The line, from 1, of a byte offset.
@@ -220,6 +225,7 @@ pub fn index(bytes: &[u8]) -> Index<'_> {
         index.fault(bytes.len(), id, "a scope is not closed");
     }
     sort_by_id(&mut index);
+    index.external.sort_by_key(|(id, _)| *id);
     index
 }
 
@@ -298,26 +304,36 @@ struct StatementEnd {
     fault: Option<&'static str>,
 }
 
+/// How far ahead is looked at once: a few statements. Whatever is missing, no byte is looked at more often than its window is entered.
+const WINDOW: usize = 256;
+
 /// The end of the statement that `at` lies in.
 fn statement_end(bytes: &[u8], mut at: usize) -> StatementEnd {
     let start = at;
     while at < bytes.len() {
-        match bytes[at] {
-            b';' => return StatementEnd { body: at, next: at + 1, fault: None },
-            b'\'' => match string_end(bytes, at) {
+        let window = &bytes[at..bytes.len().min(at + WINDOW)];
+        let mark = memchr3(b';', b'\'', b'/', window);
+        let plain = &window[..mark.unwrap_or(window.len())];
+        if let Some(length) = memchr(b'=', plain) {
+            at += length;
+            if let Some(name) = name_before(bytes, start, at) {
+                return StatementEnd { body: name, next: name, fault: Some("`;` is missing") };
+            }
+            at += 1;
+            continue;
+        }
+        at += plain.len();
+        match bytes.get(at).filter(|_| mark.is_some()) {
+            Some(b';') => return StatementEnd { body: at, next: at + 1, fault: None },
+            Some(b'\'') => match string_end(bytes, at) {
                 Ok(end) => at = end,
                 Err(end) => {
                     return StatementEnd { body: end, next: end, fault: Some("a string is not closed") };
                 }
             },
-            b'/' if bytes.get(at + 1) == Some(&b'*') => at = comment_end(bytes, at),
-            b'=' => match name_before(bytes, start, at) {
-                Some(name) => {
-                    return StatementEnd { body: name, next: name, fault: Some("`;` is missing") };
-                }
-                None => at += 1,
-            },
-            _ => at += 1,
+            Some(_) if bytes.get(at + 1) == Some(&b'*') => at = comment_end(bytes, at),
+            Some(_) => at += 1,
+            None => {}
         }
     }
     StatementEnd { body: bytes.len(), next: bytes.len(), fault: Some("the file ends inside a statement") }

@@ -200,6 +200,43 @@ fn an_edge_without_a_curve_is_straight() {
 }
 
 #[test]
+fn texts_that_editors_and_old_systems_write() {
+    let text = format!(
+        "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA ('one', ('X'));\n{MILLIMETRES}{}{PRODUCT}ENDSEC;\nEND-ISO-10303-21;\n",
+        cube("#900")
+    );
+    let statement_a_line = text.replace(';', ";\n");
+    let variants = [
+        ("marks and comments", format!("\u{feff}/* #1=A(; */ \n{text}")),
+        ("returns and feeds", statement_a_line.replace('\n', "\r\n")),
+        ("returns alone", statement_a_line.replace('\n', "\r")),
+        ("blanks", text.replace('=', " =\t\n ").replace("('", " ( '").replace(',', " ,\n")),
+        ("zeros for blanks", text.replace(';', ";\0\0")),
+        // Directives inside of strings are upper case in all editions.
+        ("lower case", text.to_lowercase().replace("w\\x\\fcrfel", "W\\X\\FCrfel")),
+        ("no end", text.replace("ENDSEC;\nEND-ISO-10303-21;\n", "")),
+        ("garbage behind", text.clone() + "#1=CLOSED_SHELL();\u{1a}\u{1a}<html>#2='"),
+        ("two sections", text.replace("#20=", "ENDSEC;DATA;#20=")),
+        ("words of their own", text.replace("#30=", "#9001=!MY_WORD('x',(!OTHER(1)),\"0AF\",.u.);#30=")),
+        (
+            "other sections",
+            text.replace("DATA (", "ANCHOR;<a>=#1;<b>=$;ENDSEC;REFERENCE;#77=<#a>;ENDSEC;DATA (")
+                + "SIGNATURE;MIIBzQYJ+KoZ/IhvcNAQcCoIIB==\nENDSEC;",
+        ),
+    ];
+    for (name, variant) in variants {
+        let model = read(variant.as_bytes()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        check(&model, name);
+        assert_eq!((model.faces.len(), model.roots.len()), (6, 1), "{name}: {:?}", model.diagnostics);
+        assert_eq!(model.diagnostics, [], "{name}");
+        assert_eq!(model.parts[model.roots[0]].name.to_lowercase(), "würfel", "{name}");
+    }
+    // A file that was cut off keeps what came before.
+    let model = read(&text.as_bytes()[..text.len() - 150]).expect("entities");
+    assert!(model.faces.len() == 6 && !model.diagnostics.is_empty());
+}
+
+#[test]
 fn no_file_is_an_error_and_no_garbage_a_panic() {
     assert!(matches!(read(b"solid"), Err(super::StepError::NotStep)));
     assert!(matches!(read(b"ISO-10303-21;\nDATA;\nENDSEC;"), Err(super::StepError::Invalid { .. })));

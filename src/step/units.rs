@@ -3,6 +3,7 @@
 use super::reader::{MAX_CHAIN, Mapped, Problem, Reader, problem, reference};
 use super::value::Entity;
 use crate::brep::{LengthUnit, Severity};
+use std::f64::consts::PI;
 
 /// Factors to our units.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,52 +36,84 @@ enum Unit {
     Other,
 }
 
-/// The units of representation context `context`; millimetres with a warning where it has no length unit.
+/// The units of representation context `context`; millimetres with a warning where it has no length unit. A unit that cannot be
+/// read costs itself.
 pub fn of_context(reader: &mut Reader, context: Option<u64>) -> Units {
-    match context.map(|id| read_context(reader, id)) {
-        Some(Ok((units, true))) => units,
-        Some(Ok((units, false))) => {
-            let reason = "no length unit; taken as millimetres".into();
-            let entity = context.unwrap_or(0);
-            reader.report(
-                Severity::Warning,
-                Problem { entity, kind: "GLOBAL_UNIT_ASSIGNED_CONTEXT".into(), reason },
-            );
-            units
-        }
-        Some(Err(problem)) => {
-            reader.report(Severity::Warning, problem);
-            Units::default()
-        }
-        None => {
-            let reason = "a representation has no context; lengths are taken as millimetres".into();
-            reader.report(Severity::Warning, Problem { entity: 0, kind: "REPRESENTATION".into(), reason });
-            Units::default()
-        }
+    let Some(context) = context else {
+        let reason = "a representation has no context; lengths are taken as millimetres".into();
+        reader.report(Severity::Warning, Problem { entity: 0, kind: "REPRESENTATION".into(), reason });
+        return Units::default();
+    };
+    let Context { units, has_length, problems } = read_context(reader, context);
+    if !has_length && problems.is_empty() {
+        let reason = "no length unit; taken as millimetres".into();
+        let kind = "GLOBAL_UNIT_ASSIGNED_CONTEXT".into();
+        reader.report(Severity::Warning, Problem { entity: context, kind, reason });
     }
+    for mut problem in problems {
+        if !has_length {
+            problem.reason += "; lengths are taken as millimetres";
+        }
+        reader.report(Severity::Warning, problem);
+    }
+    units
 }
 
-/// The units, and whether there was a length unit among them.
-pub fn read_context(reader: &Reader, context: u64) -> Mapped<(Units, bool)> {
-    let entity = reader.entity(context)?;
-    let mut units = Units::default();
-    let mut has_length = false;
-    let Some(assigned) = entity.record("GLOBAL_UNIT_ASSIGNED_CONTEXT") else {
-        return Ok((units, false));
+/// What a context says about units.
+pub struct Context {
+    pub units: Units,
+    pub has_length: bool,
+    /// Units that cannot be read, and such that were guessed by their names.
+    pub problems: Vec<Problem>,
+}
+
+/// The units of a context.
+pub fn read_context(reader: &Reader, context: u64) -> Context {
+    let mut read = Context { units: Units::default(), has_length: false, problems: Vec::new() };
+    let entity = match reader.entity(context) {
+        Ok(entity) => entity,
+        Err(problem) => {
+            read.problems.push(problem);
+            return read;
+        }
     };
+    let Some(assigned) = entity.record("GLOBAL_UNIT_ASSIGNED_CONTEXT") else { return read };
     // Of a complex instance the record holds the units alone; a simple one begins with identifier, type, dimension.
     for id in assigned.parameters.iter().filter_map(|p| p.list()).flatten().filter_map(|v| v.reference()) {
-        match unit(reader, id, 0)? {
-            Unit::Length(millimetres, name) => {
-                has_length = true;
-                units.millimetres = millimetres;
-                units.name = name;
+        let unit = unit(reader, id, 0).or_else(|problem| {
+            let named = named_unit(reader, id);
+            let reason = format!("{}; taken as what its name says", problem.reason);
+            let problem = if named.is_some() { Problem { reason, ..problem } } else { problem };
+            read.problems.push(problem);
+            named.ok_or(())
+        });
+        match unit {
+            Ok(Unit::Length(millimetres, name)) => {
+                read.has_length = true;
+                read.units.millimetres = millimetres;
+                read.units.name = name;
             }
-            Unit::Angle(radians) => units.radians = radians,
-            Unit::Other => {}
+            Ok(Unit::Angle(radians)) => read.units.radians = radians,
+            Ok(Unit::Other) | Err(()) => {}
         }
     }
-    Ok((units, has_length))
+    read
+}
+
+/// A conversion based unit whose conversion is of no use, by its name.
+fn named_unit(reader: &Reader, id: u64) -> Option<Unit> {
+    let entity = reader.entity(id).ok()?;
+    let record = entity.record("CONVERSION_BASED_UNIT")?;
+    let name = record.parameters.iter().find_map(|p| p.text())?.to_lowercase();
+    Some(match &*name {
+        "inch" | "in" => Unit::Length(25.4, name),
+        "foot" | "ft" => Unit::Length(304.8, name),
+        "yard" | "yd" => Unit::Length(914.4, name),
+        "mil" | "thou" => Unit::Length(0.0254, name),
+        "degree" | "degrees" | "deg" => Unit::Angle(PI / 180.0),
+        "grad" | "gradian" | "gon" => Unit::Angle(PI / 200.0),
+        _ => return None,
+    })
 }
 
 fn unit(reader: &Reader, id: u64, depth: usize) -> Mapped<Unit> {
@@ -174,7 +207,9 @@ mod tests {
     fn units(data: &str) -> (Units, bool) {
         let text = format!("ISO-10303-21;DATA;{data}ENDSEC;");
         let reader = Reader::new(scan::index(text.as_bytes()));
-        read_context(&reader, 1).expect("the context can be read")
+        let context = read_context(&reader, 1);
+        assert_eq!(context.problems, []);
+        (context.units, context.has_length)
     }
 
     #[test]
@@ -212,6 +247,19 @@ mod tests {
         assert_eq!((units, found), (Units::default(), false));
         let text = "ISO-10303-21;DATA;#1=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#2)));\
                     #2=(CONVERSION_BASED_UNIT('X',#3) LENGTH_UNIT());#3=LENGTH_MEASURE_WITH_UNIT(2.,#2);ENDSEC;";
-        assert!(read_context(&Reader::new(scan::index(text.as_bytes())), 1).is_err());
+        assert_eq!(read_context(&Reader::new(scan::index(text.as_bytes())), 1).problems.len(), 1);
+    }
+
+    #[test]
+    fn a_unit_that_cannot_be_read_costs_itself() {
+        let text = "ISO-10303-21;DATA;#1=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#2,#3,#9)));\
+            #2=(CONVERSION_BASED_UNIT('INCH',#8) LENGTH_UNIT());#3=(CONVERSION_BASED_UNIT('GON',#4) PLANE_ANGLE_UNIT());\
+            #4=PLANE_ANGLE_MEASURE_WITH_UNIT(PLANE_ANGLE_MEASURE(0.9),#5);\
+            #5=(CONVERSION_BASED_UNIT('DEGREE',#6) PLANE_ANGLE_UNIT());\
+            #6=(MEASURE_WITH_UNIT(PLANE_ANGLE_MEASURE(0.017453292519943295),#7) PLANE_ANGLE_MEASURE_WITH_UNIT());\
+            #7=(PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.));ENDSEC;";
+        let context = read_context(&Reader::new(scan::index(text.as_bytes())), 1);
+        assert_eq!((context.units.millimetres, context.problems.len()), (25.4, 2));
+        assert!((context.units.radians - PI / 200.0).abs() < 1e-15);
     }
 }

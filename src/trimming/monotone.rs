@@ -78,7 +78,7 @@ fn settle(piece: &mut Segment, turned_at_start: Option<usize>, turned_at_end: Op
     }
 }
 
-/// Bernstein coefficients, degree 2n − 1, of `X' W − X W'`, with X measured from the start for accuracy.
+/// Bernstein coefficients, degree 2n − 1, of `X' W − X W'`, with X measured from the start for accuracy; those of `X'` where W is 1.
 fn derivative_numerator(curve: &Segment, axis: usize) -> Vec<f64> {
     if is_constant(curve, axis) {
         return vec![0.0];
@@ -87,6 +87,9 @@ fn derivative_numerator(curve: &Segment, axis: usize) -> Vec<f64> {
     let weights: Vec<f64> = curve.points.iter().map(|p| p.weight()).collect();
     let values: Vec<f64> = curve.points.iter().map(|p| (p.point()[axis] - origin) * p.weight()).collect();
     let slopes = |c: &[f64]| c.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
+    if weights.iter().all(|w| *w == 1.0) {
+        return slopes(&values);
+    }
     let left = product(&slopes(&values), &weights);
     let right = product(&slopes(&weights), &values);
     left.iter().zip(&right).map(|(a, b)| a - b).collect()

@@ -42,19 +42,26 @@ impl Strip {
     }
 }
 
-/// Cuts closed chains of monotone segments, each `winding` periods long, into the strip and closes them there.
-pub(super) fn wrap(chains: Vec<Vec<Segment>>, strip: Strip) -> Result<Vec<Segment>, TrimError> {
+/// Cuts closed chains of monotone segments, each `winding` periods long, into the strip and closes them there. Also returns how
+/// far end points moved to lie on a side, in parameters.
+pub(super) fn wrap(chains: Vec<Vec<Segment>>, strip: Strip) -> Result<(Vec<Segment>, f64), TrimError> {
     let mut inside = Vec::new();
+    let mut moved = 0.0f64;
     for chain in chains {
         let mut pieces = Vec::new();
         for segment in chain {
+            for x in [start(&segment), end(&segment)].map(|p| p[strip.axis]) {
+                moved = moved.max((strip.snapped(x) - x).abs());
+            }
             cut(segment, &strip, &mut pieces)?;
         }
         // A chain that winds around ends a period from its start: after wrapping that is one point.
         let count = pieces.len();
         if count > 1 {
             let (head, tail) = (start(&pieces[0]), end(&pieces[count - 1]));
-            if head != tail && (head - tail).abs().max_element() <= strip.snap {
+            let apart = (head - tail).abs().max_element();
+            if head != tail && apart <= strip.snap {
+                moved = moved.max(apart);
                 set_end(&mut pieces[count - 1], head);
             }
         }
@@ -66,7 +73,7 @@ pub(super) fn wrap(chains: Vec<Vec<Segment>>, strip: Strip) -> Result<Vec<Segmen
     for side in [low, high] {
         close_side(&mut inside, strip.axis, side)?;
     }
-    Ok(inside)
+    Ok((inside, moved))
 }
 
 /// Joins the ends on the line `axis = side` in pairs.
