@@ -13,6 +13,10 @@ use std::time::Duration;
 /// Lower and upper corner, finite.
 pub(super) type NarrowBox = [[f32; 3]; 2];
 
+/// Boxes reach no farther than this, millimetres: costs are areas times numbers of boxes in f32, and obvhs cannot go on once they overflow.
+/// 1e28 times 2³¹ boxes stays below the greatest f32; a hundred million kilometres are enough for any model.
+const FARTHEST: f32 = 1e14;
+
 /// A tree over boxes.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
@@ -32,10 +36,13 @@ impl Boundable for Item {
 
 /// The tree over `boxes`; empty without boxes.
 ///
-/// Fails where the tree is deeper than the kernels' stacks, which takes boxes nested at many scales.
+/// Fails where the tree is deeper than the kernels' stacks, which takes boxes nested at many scales, or where boxes are too large.
 pub(super) fn build(boxes: &[NarrowBox]) -> Result<Tree, &'static str> {
     if boxes.is_empty() {
         return Ok(Tree::default());
+    }
+    if boxes.iter().flatten().flatten().any(|x| x.abs() > FARTHEST) {
+        return Err("its boxes are too large for a BVH");
     }
     let items: Vec<Item> = boxes.iter().map(|&corners| Item(corners)).collect();
     let presets = [BvhBuildParams::medium_build(), BvhBuildParams::fastest_build()];
@@ -125,6 +132,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn boxes_too_large_are_refused() {
+        let scaled = |by: f32| boxes(50_000).iter().map(|b| b.map(|p| p.map(|x| x * by))).collect::<Vec<_>>();
+        assert!(build(&scaled(1e16)).is_err());
+        assert!(build(&scaled(FARTHEST / 110.0)).is_ok());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::map_surface::MappedSurface;
 use super::reader::{Mapped, Reader, problem, real, reference};
 use super::value::Entity;
 use crate::geometry::{BsplineSurface, Offset, Surface, invert_surface, offset_surface};
+use crate::numeric::Aabb;
 use glam::DVec3;
 
 /// Offsets of B-splines are fitted this closely, as a share of the size of the basis.
@@ -22,6 +23,9 @@ impl Reader<'_> {
         let distance = real(entity.id, record, 2)? * self.units.millimetres;
         // What the face needs of the basis lies no farther than the distance from what it needs of the offset.
         let steps = DVec3::AXES.map(|axis| axis * distance);
+        // Offsets of offsets would multiply the points with each level: from the second on, their box stands for them.
+        let corners = Aabb::around(samples.iter().copied()).corners();
+        let samples = if depth > 0 && !samples.is_empty() { &corners[..] } else { samples };
         let around = samples.iter().flat_map(|&p| steps.map(|step| [p + step, p - step]));
         let around: Vec<DVec3> = around.flatten().collect();
         let basis = self.map_surface(reference(entity.id, record, 1)?, &around, depth + 1)?;

@@ -121,6 +121,10 @@ pub fn map(index: Index<'_>) -> Model {
     let styles = map_style::read(&mut reader, &catalog.styled_items);
     hidden::hide(&mut reader, &catalog);
     map_assembly::map(&mut reader, &catalog, &styles);
+    if reader.is_exhausted() {
+        let reason = "the file refers to long statements too often; some were not read again".into();
+        reader.report(Severity::Warning, Problem { entity: 0, kind: "file".into(), reason });
+    }
     explain::explain(&mut reader);
     reader.model
 }

@@ -100,6 +100,11 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Whether statements were left unread because the file refers to long ones too often.
+    pub fn is_exhausted(&self) -> bool {
+        self.to_decode.get() == 0
+    }
+
     /// Decodes entity `id`.
     pub fn entity(&self, id: u64) -> Mapped<Entity<'a>> {
         let statement = self.index.find(id).ok_or_else(|| Problem {
@@ -119,7 +124,8 @@ impl<'a> Reader<'a> {
             reason,
         };
         let left = self.to_decode.get().checked_sub(statement.body.len());
-        self.to_decode.set(left.ok_or_else(|| fail("the file refers to long statements too often".into()))?);
+        self.to_decode.set(left.unwrap_or(0));
+        left.ok_or_else(|| fail("the file refers to long statements too often".into()))?;
         decode::decode(bytes, id, statement.body.clone())
             .map_err(|error| fail(format!("line {}: {}", self.index.line(error.at), error.reason)))
     }

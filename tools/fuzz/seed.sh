@@ -16,11 +16,6 @@ for folder in iges bake; do
         cp "$root/fixtures/$name/model.igs" "corpus/$folder/$name.igs"
     done
 done
-for target in part21 step iges bake cache; do
-    if [ -d "$root/tests/regressions/$target" ]; then
-        cp "$root/tests/regressions/$target"/* "corpus/$target/"
-    fi
-done
 for file in "$root"/tests/bounds/*.step "$root"/fixtures/spinning-top/model.step; do
     name=$(basename "$(dirname "$file")")-$(basename "$file" .step)
     "$trimray" bake --quiet "$file" -o "corpus/cache/$name.trimray"
