@@ -1,6 +1,6 @@
 //! Which reader a file needs, and its call.
 
-use crate::brep::Model;
+use crate::brep::{Model, recognise_surfaces};
 use crate::{iges, step};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ enum Format {
     Unknown,
 }
 
-/// Reads a CAD file of any known format; its contents decide, not its name.
+/// Reads a CAD file of any known format; its contents decide, not its name. B-spline surfaces that are elementary become so.
 pub fn import(path: &Path) -> Result<Model, ImportError> {
     Ok(Source::open(path)?.scan()?.map())
 }
@@ -120,10 +120,12 @@ impl Scanned<'_> {
 
     /// Makes the model.
     pub fn map(self) -> Model {
-        match self {
+        let mut model = match self {
             Self::Step(index) => step::map(index),
             Self::Iges(scanned) => iges::map(scanned),
-        }
+        };
+        recognise_surfaces(&mut model);
+        model
     }
 }
 

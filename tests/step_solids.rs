@@ -35,7 +35,7 @@ fn volume(data: &str) -> f64 {
     assert!(model.parts.iter().flat_map(|p| &p.bodies).all(|body| body.kind == BodyKind::Solid));
     let baked = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| ());
     let scene = baked.scene();
-    assert_eq!(scene.faces.len(), model.faces.len(), "{data}: {:?}", scene.metadata.diagnostics);
+    assert_eq!(scene.faces.len(), model.faces.len(), "{data}: {:?}", scene.metadata.findings);
     // No direction of any of the shapes, so that no ray runs along a face.
     let frame = Frame::from_axes(DVec3::ZERO, Some(DVec3::new(0.31, 0.52, 0.79)), None);
     let radius = 30.0;

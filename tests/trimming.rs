@@ -114,7 +114,8 @@ fn trim_all(path: &Path, model: &Model, print: bool) -> Count {
                 match trim_face(model, id, &options) {
                     Ok(trim) => {
                         count.trimmed += 1;
-                        count.worst_deviation = count.worst_deviation.max(trim.deviation);
+                        count.worst_deviation =
+                            trim.edges.iter().map(|edge| edge.distance).fold(count.worst_deviation, f64::max);
                         let (vector, face_area) = area(surface, &trim);
                         sum += if face.same_sense { vector } else { -vector };
                         total += face_area;

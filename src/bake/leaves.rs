@@ -60,7 +60,7 @@ pub(super) struct Leaf {
 
 /// One period's image of a sub-domain in the window, and the pieces that may touch it.
 #[derive(Debug, Clone)]
-struct View {
+pub(super) struct View {
     shift: DVec2,
     pieces: Vec<u32>,
 }
@@ -105,11 +105,13 @@ pub(super) fn most_leaves(points: usize) -> usize {
     (MOST_POINTS / points.max(1)).clamp(MOST_LEAVES[0], MOST_LEAVES[1])
 }
 
-/// The leaves of `patch` in order of their sub-domains, and whether any part of the net was left out.
+/// The leaves of `patch` in order of their sub-domains, and whether any part of the net was left out; `views` are those of the net
+/// or of a strip around it.
 pub(super) fn leaves(
     patch: BezierPatch,
     domain: &Domain,
     trim: &Trim<'_>,
+    views: &[View],
     distortion: f64,
     max_leaves: usize,
     face_size: f64,
@@ -118,7 +120,7 @@ pub(super) fn leaves(
     let mut done = Vec::new();
     let mut left_out = false;
     let mut age = 0;
-    let (side, views) = classify(domain.low, domain.size, trim, views(domain, trim));
+    let (side, views) = classify(domain.low, domain.size, trim, views.to_vec());
     match side {
         Side::Outside => return (done, true),
         _ => {
@@ -168,8 +170,10 @@ fn position(leaf: &Leaf) -> [u32; 2] {
     [0, 1].map(|k| leaf.index[k] << (MAX_LEVEL - leaf.level[k]))
 }
 
-/// All images of a net in the window.
-fn views(domain: &Domain, trim: &Trim<'_>) -> Vec<View> {
+/// All images of a net, or of a strip of nets, in the window.
+///
+/// Faces can have many nets and many pieces: those of one strip are looked for once, so that not every net asks every piece.
+pub(super) fn views(domain: &Domain, trim: &Trim<'_>) -> Vec<View> {
     let on_border = |piece: &super::region::Piece| {
         (0..2).any(|axis| piece.lies_at(axis, 0.0) || piece.lies_at(axis, 1.0))
     };
@@ -190,8 +194,17 @@ fn views(domain: &Domain, trim: &Trim<'_>) -> Vec<View> {
     shifts(0)
         .iter()
         .flat_map(|&u| across.iter().map(move |&v| DVec2::new(u, v)))
-        .map(|shift| View { shift, pieces: pieces.clone() })
+        .map(|shift| {
+            let grown = grown(domain.low + shift, domain.low + domain.size + shift);
+            let touching = pieces.iter().copied();
+            let touching = touching.filter(|&p| trim.region.touches(&trim.region.pieces[p as usize], &grown));
+            View { shift, pieces: touching.collect() }
+        })
         .collect()
+}
+
+fn grown(from: DVec2, to: DVec2) -> Rectangle {
+    Rectangle { low: (from - MARGIN).as_vec2().to_array(), high: (to + MARGIN).as_vec2().to_array() }
 }
 
 /// How a sub-domain lies to the trims, and the views that still matter in it.
@@ -205,8 +218,7 @@ fn classify(low: DVec2, size: DVec2, trim: &Trim<'_>, views: Vec<View>) -> (Side
         if !(to - from).cmpgt(size * THIN).all() {
             continue;
         }
-        let grown =
-            Rectangle { low: (from - MARGIN).as_vec2().to_array(), high: (to + MARGIN).as_vec2().to_array() };
+        let grown = grown(from, to);
         view.pieces.retain(|&piece| trim.region.touches(&trim.region.pieces[piece as usize], &grown));
         if view.pieces.is_empty() {
             let middle = ((from + to) * 0.5).as_vec2().to_array();

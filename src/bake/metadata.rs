@@ -17,6 +17,11 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
         unit_millimetres: model.source.unit.millimetres,
         declared_faces: model.declared_faces as u64,
         solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
+        recognised: model
+            .recognised
+            .iter()
+            .map(|(kind, count)| ((*kind).to_owned(), *count as u64))
+            .collect(),
         ..Metadata::default()
     }
 }

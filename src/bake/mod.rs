@@ -5,8 +5,10 @@
 //! Faces and placements that cannot be baked are reported, never lost silently.
 
 mod assemble;
+mod budget;
 mod bvh;
 mod faces;
+mod gaps;
 mod leaves;
 mod materials;
 mod metadata;
@@ -26,11 +28,11 @@ mod trim_tests;
 mod trim_tree;
 
 use self::assemble::PartDraft;
+use self::budget::budget;
 use self::faces::{BakedFace, PartSpace, bake_face};
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
 use crate::brep::{self, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences};
-use crate::geometry::{Surface, patch_points};
 use crate::numeric::Aabb;
 use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
 use crate::trimming::TrimOptions;
@@ -66,13 +68,9 @@ pub struct Trimmed {
     /// The parts that stand somewhere, in order of their ids.
     parts: Vec<Id<brep::Part>>,
     drafts: Vec<Draft>,
-    /// Control points of the patches of all surfaces together.
+    /// Control points that the patches of all faces have together.
     patch_points: usize,
 }
-/// Control points that the patches of all faces may have together: this many times those of the model's surfaces, or the lesser
-/// number where a model is small. Faces that share one large surface and high degrees multiply them.
-const MOST_PATCH_POINTS: usize = 256;
-const FREE_PATCH_POINTS: usize = 1 << 24;
 
 /// A face on its way through the bake.
 struct Draft {
@@ -104,6 +102,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
     let mut findings = metadata::findings(model, is_cut);
     let max_leaves = leaves::most_leaves(patch_points);
+    scene.metadata.largest_gap = gaps::report(&mut findings, model, &drafts);
     let part_boxes = boxes_of_parts(&drafts, parts.len());
     let (header, spaces) = spaces(&occurrences, &parts, &part_boxes);
     scene.header = header;
@@ -173,38 +172,22 @@ fn outlines(
             bodies.iter().flat_map(move |body| body.faces.iter().map(move |&face| (slot, face)))
         })
         .collect();
-    let control_points = model.surfaces.iter().map(|surface| match surface {
-        Surface::Bspline(bspline) => bspline.points.len(),
-        _ => 0,
-    });
-    let most = control_points.sum::<usize>().saturating_mul(MOST_PATCH_POINTS).max(FREE_PATCH_POINTS);
-    let mut total = 0;
-    let is_affordable: Vec<bool> = faces
-        .iter()
-        .map(|&(_, id)| {
-            let Surface::Bspline(bspline) = &model.surfaces[model.faces[id].surface] else { return true };
-            let points = patch_points(bspline);
-            let fits = points <= most - total;
-            total += if fits { points } else { 0 };
-            fits
-        })
-        .collect();
+    let budget = budget(model, faces.iter().map(|&(_, id)| id));
     let done = AtomicUsize::new(0);
     let drafts = faces
         .par_iter()
         .with_max_len(FACES_PER_TASK)
-        .zip(is_affordable)
-        .map(|(&(part, id), is_affordable)| {
-            let outline = if is_affordable {
-                outline(model, id, &options.trim)
-            } else {
-                Err("the patches of all surfaces have too many control points together".into())
+        .zip(&budget.refusals)
+        .map(|(&(part, id), refusal)| {
+            let outline = match refusal {
+                None => outline(model, id, &options.trim),
+                Some(reason) => Err((*reason).to_owned()),
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, faces.len());
             Draft { part, id, outline }
         })
         .collect();
-    (drafts, total)
+    (drafts, budget.patch_points)
 }
 
 fn boxes_of_parts(drafts: &[Draft], parts: usize) -> Vec<Aabb> {
@@ -271,6 +254,9 @@ fn gather(
             (Ok(outline), Some(Ok(baked))) => {
                 for repair in outline.repairs {
                     findings.push(Diagnostic::new(Severity::Repaired, face.entity, "ADVANCED_FACE", repair));
+                }
+                for loss in outline.losses {
+                    findings.push(Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", loss));
                 }
                 let (part, _) = *slots[slot].get_or_insert_with(|| {
                     let own = part_boxes[slot];

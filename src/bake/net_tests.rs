@@ -49,11 +49,19 @@ fn octant() -> BsplineSurface {
 
 fn baked(surface: &BsplineSurface, curves: Vec<Bezier<Homogeneous2>>) -> (Nets, DVec3, Outline) {
     let window = surface.domain();
-    let trim = FaceTrim { window, curves, deviation: 0.0, repairs: vec![] };
+    let trim = FaceTrim { curves, ..FaceTrim::whole(window) };
     let region = Region::new(&trim).expect("a valid region");
     let tree = trim_tree::build(&region).expect("a tree");
     let bounds = Aabb::around(surface.points.iter().map(|p| p.point()));
-    let outline = Outline { window, region, bounds, repairs: vec![] };
+    let outline = Outline {
+        window,
+        region,
+        bounds,
+        edges: vec![],
+        size: bounds.diagonal(),
+        repairs: vec![],
+        losses: vec![],
+    };
     let space = PartSpace { center: DVec3::ZERO, grid_step: 2f64.powi(-10) };
     let (origin, nets) =
         bake_nets(surface, DVec2::ZERO, &outline, &tree, &space, 0.125, 4096).expect("baked");

@@ -4,7 +4,7 @@
 //! factor for the whole face.
 
 use super::faces::PartSpace;
-use super::leaves::{self, Domain, Leaf, Side, Trim};
+use super::leaves::{self, Domain, Leaf, Side, Trim, View};
 use super::narrow;
 use super::outline::Outline;
 use super::slab;
@@ -18,8 +18,8 @@ use rayon::prelude::*;
 /// The highest degree that kernels evaluate.
 const MAX_DEGREE: usize = 25;
 
-/// Spans of one surface that wait in memory together.
-const SPANS_AT_ONCE: usize = 64;
+/// Patches that are made before they are baked.
+const SPANS_AT_ONCE: usize = 256;
 
 /// The nets of a face; indices count from its own arrays.
 #[derive(Debug, Default)]
@@ -58,28 +58,34 @@ pub(super) fn bake_nets(
     let is_rational = surface.points.iter().any(|p| p.w != first_weight);
     let trim = Trim { region: &outline.region, tree, period };
     let face_size = outline.bounds.diagonal();
-    let bake_span = |span: PatchSpan| -> Result<BakedSpan, String> {
-        let domain = normalised_domain(&span, outline);
+    let bake_span = |span: PatchSpan, views: &[View]| -> Result<BakedSpan, String> {
+        let domain = normalised_domain(span.u, span.v, outline);
         let patch = in_face_space(span.patch, origin + space.center, heaviest, is_rational);
         if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.w > 0.0) {
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
-        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, distortion, max_leaves, face_size);
+        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size);
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
         Ok(BakedSpan { domain, degrees, points, leaves, is_mixed })
     };
+    let ends = surface.domain();
+    let bake_strip = |strip: Vec<PatchSpan>| -> Result<Vec<BakedSpan>, String> {
+        let whole = normalised_domain(strip[0].u, [ends.min.y, ends.max.y], outline);
+        let views = leaves::views(&whole, &trim);
+        strip.into_par_iter().map(|span| bake_span(span, &views)).collect()
+    };
     let mut nets = Nets::default();
     let mut spans = decompose_surface(surface);
+    // The spans of one large face are as many tasks, but not all of its patches are in memory.
     loop {
-        // The spans of one large face are as many tasks, some at a time: patches that no trim touches are not kept.
-        let some: Vec<PatchSpan> = spans.by_ref().take(SPANS_AT_ONCE).collect();
-        if some.is_empty() {
+        let strips = strips(spans.by_ref().take(SPANS_AT_ONCE));
+        if strips.is_empty() {
             break;
         }
-        let baked: Vec<BakedSpan> = some.into_par_iter().map(bake_span).collect::<Result<_, _>>()?;
-        for span in baked {
+        let baked = strips.into_par_iter().map(bake_strip).collect::<Result<Vec<_>, _>>()?;
+        for span in baked.into_iter().flatten() {
             nets.add(span, is_rational);
         }
     }
@@ -133,11 +139,23 @@ fn leaf_and_box(leaf: &Leaf, origin: DVec3) -> (NetLeaf, Aabb) {
     (record, Aabb { min: bounds.min + origin, max: bounds.max + origin })
 }
 
-/// A span's rectangle in normalised parameters.
-fn normalised_domain(span: &PatchSpan, outline: &Outline) -> Domain {
+/// The spans, those that follow each other with the same `u` together.
+fn strips(spans: impl Iterator<Item = PatchSpan>) -> Vec<Vec<PatchSpan>> {
+    let mut strips: Vec<Vec<PatchSpan>> = Vec::new();
+    for span in spans {
+        match strips.last_mut().filter(|strip| strip[0].u == span.u) {
+            Some(strip) => strip.push(span),
+            None => strips.push(vec![span]),
+        }
+    }
+    strips
+}
+
+/// A rectangle of surface parameters in normalised ones.
+fn normalised_domain(u: [f64; 2], v: [f64; 2], outline: &Outline) -> Domain {
     let scale = DVec2::ONE / (outline.window.max - outline.window.min);
-    let low = DVec2::new(span.u[0], span.v[0]);
-    let high = DVec2::new(span.u[1], span.v[1]);
+    let low = DVec2::new(u[0], v[0]);
+    let high = DVec2::new(u[1], v[1]);
     Domain { low: (low - outline.window.min) * scale, size: (high - low) * scale }
 }
 

@@ -4,7 +4,7 @@ use super::region::Region;
 use crate::brep::{Face, Id, Model};
 use crate::geometry::{Homogeneous, ParameterBox, Surface};
 use crate::numeric::Aabb;
-use crate::trimming::{TrimOptions, trim_face};
+use crate::trimming::{EdgeDeviation, FaceTrim, TrimOptions, trim_face};
 use glam::DVec2;
 
 /// A face that can be baked.
@@ -16,8 +16,14 @@ pub(super) struct Outline {
     pub region: Region,
     /// A box around the face in the part's own coordinates; finite.
     pub bounds: Aabb,
+    /// How far the face's edges may be from their images, in order of the edges.
+    pub edges: Vec<EdgeDeviation>,
+    /// The diagonal of the box around the edges, millimetres.
+    pub size: f64,
     /// What trimming repaired.
     pub repairs: Vec<String>,
+    /// What trimming left out.
+    pub losses: Vec<String>,
 }
 
 /// Trims a face; fails with the reason where nothing can be baked.
@@ -48,7 +54,8 @@ pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Res
     if bounds.is_empty() || !bounds.is_finite() {
         return Err("its box is not finite".into());
     }
-    Ok(Outline { window: trim.window, region, bounds, repairs: trim.repairs })
+    let FaceTrim { window, edges, size, repairs, losses, .. } = trim;
+    Ok(Outline { window, region, bounds, edges, size, repairs, losses })
 }
 
 /// The window, a little wider where the surface goes on beyond it.

@@ -53,7 +53,7 @@ fn trim(loops: Vec<Loop>) -> FaceTrim {
         min: points().fold(DVec2::INFINITY, DVec2::min),
         max: points().fold(DVec2::NEG_INFINITY, DVec2::max),
     };
-    FaceTrim { window, curves, deviation: 0.0, repairs: vec![] }
+    FaceTrim { curves, ..FaceTrim::whole(window) }
 }
 
 /// Even-odd count of a ray to −u over finely sampled curves, and the distance from the nearest curve; normalised.

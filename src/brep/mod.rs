@@ -9,6 +9,7 @@ mod diagnostic;
 mod id;
 mod model;
 pub mod primitive;
+mod recognise;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
@@ -17,4 +18,5 @@ pub use id::{Arena, Id};
 pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,
 };
+pub use recognise::recognise_surfaces;
 pub use style::Color;

@@ -3,6 +3,7 @@
 use super::{Arena, Color, Diagnostics, Id};
 use crate::geometry::{Curve, Curve2, Surface};
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
 
 /// Everything that a file says about shape, in millimetres and radians.
 #[derive(Debug, Clone, Default)]
@@ -24,6 +25,8 @@ pub struct Model {
     /// Parts that the file places invisibly, and those in them; one that stands elsewhere as well is visible there.
     /// Sorted.
     pub hidden_parts: Vec<Id<Part>>,
+    /// How many B-spline surfaces became elementary ones, by [`Surface::kind`].
+    pub recognised: BTreeMap<&'static str, usize>,
     /// Faces that the file declares, imported or not.
     pub declared_faces: usize,
     /// What was repaired, not understood or dropped, with the reason.

@@ -4,7 +4,7 @@ use super::args::{General, Info};
 use super::bake::size_text;
 use super::load::{Purpose, load};
 use super::{report, tree};
-use crate::scene::{FaceKind, Finding, Scene, Severity};
+use crate::scene::{EdgeGap, FaceKind, Finding, Scene, Severity};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -46,6 +46,10 @@ struct Summary<'a> {
     instances: Vec<InstanceSummary<'a>>,
     solids: u64,
     faces: FaceCounts,
+    /// B-spline surfaces of the file that became elementary ones, by kind.
+    recognised: &'a BTreeMap<String, u64>,
+    /// The edge whose faces may be farthest apart, and how far, millimetres; absent where no faces share an edge.
+    largest_gap: Option<EdgeGap>,
     nets: usize,
     leaves: usize,
     trim_segments: usize,
@@ -136,6 +140,8 @@ impl<'a> Summary<'a> {
                 occurrences,
                 by_kind,
             },
+            recognised: &metadata.recognised,
+            largest_gap: metadata.largest_gap,
             nets: scene.nets.len(),
             leaves: scene.net_leaves.len(),
             trim_segments: scene.trim_segments.len(),
@@ -200,6 +206,14 @@ fn write_text(out: &mut impl Write, summary: &Summary<'_>, all: bool) -> std::io
     writeln!(out)?;
     for (kind, count) in faces.by_kind.iter().filter(|(_, count)| **count > 0) {
         writeln!(out, "  {kind:<9}{count}")?;
+    }
+    if !summary.recognised.is_empty() {
+        let kinds: Vec<String> =
+            summary.recognised.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        writeln!(out, "recognised {} among the B-spline surfaces", kinds.join(", "))?;
+    }
+    if let Some(EdgeGap { entity, distance }) = summary.largest_gap {
+        writeln!(out, "gaps       below {distance:.1e} mm, the largest at edge #{entity}")?;
     }
     writeln!(out, "nets       {} in {} leaves", summary.nets, summary.leaves)?;
     writeln!(out, "trims      {} segments, {} nodes", summary.trim_segments, summary.trim_nodes)?;

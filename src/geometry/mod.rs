@@ -34,7 +34,7 @@ pub use iso::iso_curve;
 pub use join::{elevated, join_curves, join_spans};
 pub use knots::{KnotError, KnotVector};
 pub use offset::{Offset, offset_surface};
-pub use recognise::recognise;
+pub use recognise::{RECOGNITION_TOLERANCE, recognise};
 pub use surface::{ParameterBox, Singularity, Surface, SurfaceDerivatives};
 
 #[cfg(test)]

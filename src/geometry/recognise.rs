@@ -12,6 +12,10 @@ use super::knots::KnotVector;
 use super::surface::Surface;
 use glam::{DVec2, DVec3};
 
+/// How far a B-spline surface may be from the elementary one that it is taken for, as a share of the size of its net: that of
+/// the trim tolerance, and below what files write in ten digits.
+pub const RECOGNITION_TOLERANCE: f64 = 1e-7;
+
 /// The most samples along one parameter; beyond that they are thinned out.
 const MOST_SAMPLES: usize = 96;
 

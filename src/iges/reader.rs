@@ -91,6 +91,9 @@ impl<'a> Reader<'a> {
             let reason = format!("the offset is fitted within {:.1e} mm", sheet.deviation);
             self.report(Severity::Repaired, Problem { entity, kind: self.entry(entity).kind, reason });
         }
+        if form == Form::Recognised && !matches!(sheet.surface, Surface::Bspline(_)) {
+            *self.model.recognised.entry(sheet.surface.kind()).or_default() += 1;
+        }
         let used = SurfaceUse {
             id: self.model.surfaces.push(sheet.surface),
             flipped: sheet.flipped,

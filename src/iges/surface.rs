@@ -7,7 +7,9 @@ use super::placement::{self, is_similarity};
 use super::reader::Form;
 use super::spans::Span;
 use super::swept;
-use crate::geometry::{BsplineSurface, Frame, Homogeneous, Homogeneous3, Surface, recognise};
+use crate::geometry::{
+    BsplineSurface, Frame, Homogeneous, Homogeneous3, RECOGNITION_TOLERANCE, Surface, recognise,
+};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,10 +18,6 @@ pub const BOUNDED_KINDS: [u32; 8] = [114, 118, 120, 122, 128, 140, 196, 198];
 
 /// Offsets of offsets may not be deeper than this; deeper ones are cyclic or hostile.
 const MAX_DEPTH: usize = 16;
-
-/// A B-spline is an elementary surface where it is nowhere farther from it than this share of its size. Files keep seven
-/// digits and more.
-const RECOGNISED: f64 = 1e-7;
 
 /// A surface, and how the file's parameters run on it.
 #[derive(Debug, Clone)]
@@ -110,7 +108,7 @@ fn sheet_at(file: &Directory, entity: u32, outer: &DAffine3, form: Form, depth: 
     }
     let sheet = given(file, entity, outer)?;
     if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)
-        && let Some((surface, flipped)) = recognise(spline, RECOGNISED * spline.size())
+        && let Some((surface, flipped)) = recognise(spline, RECOGNITION_TOLERANCE * spline.size())
     {
         return Ok(Sheet { surface, flipped, parameters: ParameterMap::same(), deviation: 0.0 });
     }

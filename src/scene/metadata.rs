@@ -1,6 +1,7 @@
 //! What people want to know of a scene and no kernel reads: names, units, counts, diagnostics.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Names, units, counts, diagnostics.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -27,6 +28,10 @@ pub struct Metadata {
     pub declared_faces: u64,
     /// Solids over all occurrences.
     pub solids: u64,
+    /// How many B-spline surfaces of the source became elementary ones, by kind.
+    pub recognised: BTreeMap<String, u64>,
+    /// The edge whose faces may be farthest apart; absent where no two faces share an edge.
+    pub largest_gap: Option<EdgeGap>,
     /// What was repaired, guessed, hidden or dropped.
     pub findings: Vec<Finding>,
 }
@@ -36,6 +41,15 @@ impl Metadata {
     pub fn missing_faces(&self, severity: Severity) -> u64 {
         self.findings.iter().filter(|f| f.severity == severity).map(|f| u64::from(f.faces)).sum()
     }
+}
+
+/// How far the two faces of an edge may be apart along it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EdgeGap {
+    /// The file's entity number of the edge.
+    pub entity: u64,
+    /// A bound; millimetres.
+    pub distance: f64,
 }
 
 /// How bad a finding is.

@@ -124,10 +124,13 @@ impl<'a> Reader<'a> {
             .map_err(|error| fail(format!("line {}: {}", self.index.line(error.at), error.reason)))
     }
 
-    /// The records of entity `id` with their parameters as they are written; none where it is missing.
+    /// The records of entity `id` with their parameters as they are written; none where it is missing, or was read too often.
     pub fn raw_records(&self, id: u64) -> Vec<RawRecord<'a>> {
-        let bytes = self.index.bytes;
-        self.index.find(id).map_or_else(Vec::new, |statement| rows::records(&bytes[statement.body.clone()]))
+        let Some(statement) = self.index.find(id) else { return Vec::new() };
+        let left = self.to_decode.get().checked_sub(statement.body.len());
+        self.to_decode.set(left.unwrap_or(0));
+        let body = &self.index.bytes[statement.body.clone()];
+        left.map_or_else(Vec::new, |_| rows::records(body))
     }
 
     /// The numbers of entity `id` where it is plainly `keyword('..',(x,y,z))`.

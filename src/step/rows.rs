@@ -9,6 +9,10 @@ use super::scan::{keyword_end, skip_blank};
 use memchr::memchr;
 use std::borrow::Cow;
 
+/// A statement may not have more records, nor a record more parameters, than this: those of no schema come near.
+const MOST_RECORDS: usize = 1 << 10;
+const MOST_PARAMETERS: usize = 1 << 16;
+
 /// A record whose parameters are still text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RawRecord<'a> {
@@ -29,7 +33,7 @@ pub fn records(body: &[u8]) -> Vec<RawRecord<'_>> {
         at = skip_blank(body, at);
         let end = keyword_end(body, at.min(body.len()));
         let open = skip_blank(body, end);
-        if end == at || body.get(open) != Some(&b'(') {
+        if end == at || body.get(open) != Some(&b'(') || records.len() == MOST_RECORDS {
             return records;
         }
         let (parameters, next) = parameters(body, open + 1);
@@ -54,7 +58,7 @@ fn parameters(body: &[u8], at: usize) -> (Vec<&[u8]>, usize) {
                         return (parameters, at + 1);
                     }
                     b')' => depth -= 1,
-                    b',' if depth == 0 => {
+                    b',' if depth == 0 && parameters.len() < MOST_PARAMETERS => {
                         parameters.push(&body[from..at]);
                         from = at + 1;
                     }

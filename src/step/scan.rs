@@ -36,6 +36,7 @@ pub struct Fault {
     /// What is wrong.
     pub reason: &'static str,
 }
+
 /// The indexed file.
 #[derive(Debug)]
 pub struct Index<'a> {

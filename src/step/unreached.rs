@@ -13,7 +13,7 @@ use std::collections::HashSet;
 /// Maps what is left.
 pub fn map(assembly: &mut Assembly, reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
     let others = operands(reader, catalog);
-    leave_out(reader, &others.construction, "are construction geometry");
+    leave_out(reader, &others.construction, "construction geometry");
     let is_empty = reader.model.faces.is_empty();
     let is_left = |reader: &Reader, id: &u64| {
         !reader.taken_bodies.contains(id)
@@ -27,18 +27,17 @@ pub fn map(assembly: &mut Assembly, reader: &mut Reader, catalog: &Catalog, styl
     });
     let nothing_else = is_empty && bodies.is_empty();
     if !nothing_else {
-        leave_out(reader, &others.operands, "only serve to make other solids");
+        leave_out(reader, &others.operands, "only serves to make another solid");
     }
     if !bodies.is_empty() || !reader.open_faces.is_empty() {
         map_loose(assembly, reader, bodies, styles);
     }
-    let left = reader.open_faces.len();
-    if left > 0 {
-        let first = reader.open_faces.iter().copied().min().unwrap_or(0);
-        let reason = format!("{left} faces belong to no body, such as #{first}");
-        let kind = reader.keyword(first).into_owned();
-        report_faces(reader, Severity::Dropped, Problem { entity: first, kind, reason }, left);
-        reader.open_faces.clear();
+    let mut left: Vec<u64> = reader.open_faces.iter().copied().collect();
+    left.sort_unstable();
+    for id in left {
+        let kind = reader.keyword(id).into_owned();
+        let reason = "it belongs to no body".to_owned();
+        reader.drop_face(id, &kind, &Problem { entity: id, kind: kind.clone(), reason });
     }
 }
 
@@ -105,17 +104,11 @@ fn operands(reader: &Reader, catalog: &Catalog) -> Others {
 /// Takes the faces that `bodies` lead to out of what is to be mapped.
 fn leave_out(reader: &mut Reader, bodies: &HashSet<u64>, why: &str) {
     let mut faces: Vec<u64> = bodies.iter().flat_map(|&id| reader.faces_below(id)).collect();
-    faces.retain(|id| reader.open_faces.remove(id));
-    if let Some(&first) = faces.iter().min() {
-        let reason = format!("{} faces left out: they {why}", faces.len());
-        let kind = reader.keyword(first).into_owned();
-        report_faces(reader, Severity::Note, Problem { entity: first, kind, reason }, faces.len());
+    faces.sort_unstable();
+    for id in faces {
+        if reader.open_faces.remove(&id) {
+            let kind = reader.keyword(id).into_owned();
+            reader.model.diagnostics.push(Diagnostic::hidden_face(id, kind, why));
+        }
     }
-}
-
-fn report_faces(reader: &mut Reader, severity: Severity, problem: Problem, faces: usize) {
-    let Problem { entity, kind, reason } = problem;
-    let mut diagnostic = Diagnostic::new(severity, entity, kind, reason);
-    diagnostic.faces = u32::try_from(faces).unwrap_or(u32::MAX);
-    reader.model.diagnostics.push(diagnostic);
 }

@@ -13,23 +13,23 @@ const MAX_REORDERED: usize = 2048;
 /// Ends closer than this share of the face meet.
 const MEETING: f64 = 1e-4;
 
+/// The edges of a loop as the file gives them.
+pub(super) fn directed<'a>(model: &'a Model, coedges: &[Coedge]) -> Result<Vec<DirectedEdge<'a>>, TrimError> {
+    coedges.iter().map(|&coedge| DirectedEdge::new(model, coedge)).collect()
+}
+
 /// The edges of a loop in walking order; what had to be repaired is appended to `repairs`.
 pub(super) fn chained<'a>(
-    model: &'a Model,
-    coedges: &[Coedge],
+    given: Vec<DirectedEdge<'a>>,
     size: f64,
     repairs: &mut Vec<String>,
-) -> Result<Vec<DirectedEdge<'a>>, TrimError> {
-    let given: Vec<DirectedEdge> = coedges
-        .iter()
-        .map(|coedge| DirectedEdge::new(&model.edges[coedge.edge], coedge.reversed))
-        .collect::<Result<_, _>>()?;
+) -> Vec<DirectedEdge<'a>> {
     let limit = MEETING * size;
     let meets = |a: &DirectedEdge, b: &DirectedEdge| a.ends[1].distance(b.ends[0]) <= limit;
     let count = given.len();
     let in_order = (0..count).all(|i| meets(&given[i], &given[(i + 1) % count]));
     if in_order || count > MAX_REORDERED {
-        return Ok(given);
+        return given;
     }
     let first = first_edge(&given, limit);
     let mut left: Vec<DirectedEdge> = given[1..].to_vec();
@@ -45,7 +45,7 @@ pub(super) fn chained<'a>(
     if moved > 0 {
         repairs.push(format!("{moved} edges of a loop brought into order"));
     }
-    Ok(chain)
+    chain
 }
 
 /// The first edge, turned where only its start meets the second edge.

@@ -6,23 +6,31 @@
 //! straight segments, and what comes out is a set of exactly closed loops (neighbouring segments share their end points
 //! bit for bit), so that inside is "an odd number of crossings", whatever the file's flags say.
 
+mod align;
 mod chain;
 mod fit;
 mod loops;
 mod monotone;
 mod outline;
 mod pcurve;
+mod pole;
 mod region;
 mod segment;
+mod straighten;
 mod target;
 mod wrap;
 
+#[cfg(test)]
+mod damage_tests;
+#[cfg(test)]
+mod deviation_tests;
 #[cfg(test)]
 mod tests;
 
 pub use loops::trim_face;
 pub use monotone::split_monotone;
 
+use crate::brep::{Edge, Id};
 use crate::geometry::{Bezier, Homogeneous2, ParameterBox};
 
 /// How closely the parameter curves follow the edges.
@@ -49,10 +57,35 @@ pub struct FaceTrim {
     /// them. Empty: the whole window is inside. Each curve has `v` not decreasing or not increasing over all of it, and `u` too. The curves
     /// come in any order and direction, but each end point is shared bit for bit by an even number of them.
     pub curves: Vec<Bezier<Homogeneous2>>,
-    /// The greatest distance found between an edge and its image, millimetres.
-    pub deviation: f64,
+    /// How far the face's edges may be from their images, in order of the edges, each once; edges without length are
+    /// left out.
+    pub edges: Vec<EdgeDeviation>,
+    /// The diagonal of the box around the edges, millimetres; 0 for a face without edges.
+    pub size: f64,
     /// What had to be repaired, for people: "gap of 0.01 mm closed", …
     pub repairs: Vec<String>,
+    /// What could not be taken and makes the face larger than its author wanted it, for people: holes.
+    pub losses: Vec<String>,
+}
+
+impl FaceTrim {
+    /// The face that fills `window`.
+    pub fn whole(window: ParameterBox) -> Self {
+        let (curves, edges, repairs, losses) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { window, curves, edges, size: 0.0, repairs, losses }
+    }
+}
+
+/// How far an edge may be from its image on one surface.
+///
+/// Two faces of one edge come apart by the sum of their two distances at most: both images stay that near to the edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeDeviation {
+    /// The edge.
+    pub edge: Id<Edge>,
+    /// No point of the image, taken to the surface, is farther from the edge, and none of the edge farther from the
+    /// image; millimetres.
+    pub distance: f64,
 }
 
 /// Why a face cannot be trimmed.
@@ -70,7 +103,7 @@ pub enum TrimError {
         distance: f64,
     },
     /// The region has no area.
-    #[error("the trimmed region is empty")]
+    #[error("the face is thinner than the tolerance: its loops enclose no area")]
     Empty,
     /// Numbers that are not finite, or marching that does not converge.
     #[error("{0}")]

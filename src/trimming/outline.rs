@@ -11,6 +11,9 @@ use super::segment::{Segment, end, set_end, set_start, shift, start, straight, w
 use super::target::Target;
 use glam::DVec2;
 
+/// End points whose images are apart by less than this share of the tolerance are one, up to rounding.
+const ROUNDING: f64 = 1e-3;
+
 /// A loop before its joints are closed.
 pub(super) struct Outline {
     pub(super) images: Vec<EdgeImage>,
@@ -30,9 +33,10 @@ pub(super) struct Chain {
 #[derive(Clone, Copy)]
 enum Joint {
     Plain,
-    /// Along the iso-line of pole `pole`, by `span` in the other parameter.
+    /// Along the iso-line of the pole at which one image ends, to that at which the next starts (the same point in
+    /// space), by `span` in the other parameter.
     Pole {
-        pole: usize,
+        poles: [usize; 2],
         span: f64,
     },
 }
@@ -112,18 +116,18 @@ fn trace(
 fn join(target: &Target, before: &EdgeImage, after: &EdgeImage, same: bool, left: bool) -> (Joint, DVec2) {
     let (p, q) = (end_of(before), start_of(after));
     let mut offset = target.nearest_shift(q, p);
-    let pole = match (before.poles[1], after.poles[0]) {
-        (Some(a), Some(b)) if a == b => a,
+    let poles = match (before.poles[1], after.poles[0]) {
+        (Some(a), Some(b)) if target.is_same_pole(a, b) => [a, b],
         _ => return (Joint::Plain, offset),
     };
-    let singularity = &target.singularities[pole];
-    let free = 1 - singularity.axis;
+    let axis = target.poles[poles[0]].axis;
+    let free = 1 - axis;
     let raw = q[free] - p[free];
-    let Some(period) = target.periods[free] else { return (Joint::Pole { pole, span: raw }, offset) };
+    let Some(period) = target.periods[free] else { return (Joint::Pole { poles, span: raw }, offset) };
     let inner = &before.segments[before.segments.len() - 1];
-    let upper = start(inner)[singularity.axis] < singularity.value;
+    let upper = start(inner)[axis] < target.pole_value(poles[0], p[axis]);
     // Counter-clockwise: against u above and with u below; with v at the right and against v at the left.
-    let forward = (upper == (singularity.axis == 0)) == left;
+    let forward = (upper == (axis == 0)) == left;
     let sign = if forward { 1.0 } else { -1.0 };
     let mut span = (raw * sign).rem_euclid(period);
     if span < 1e-6 * period || span > (1.0 - 1e-6) * period {
@@ -132,10 +136,21 @@ fn join(target: &Target, before: &EdgeImage, after: &EdgeImage, same: bool, left
     }
     let span = span * sign;
     offset[free] = ((span - raw) / period).round() * period;
-    (Joint::Pole { pole, span: raw + offset[free] }, offset)
+    (Joint::Pole { poles, span: raw + offset[free] }, offset)
 }
 
 impl Outline {
+    /// Whether all its numbers are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let segments = self.images.iter().flat_map(|image| &image.segments);
+        segments.flat_map(|segment| &segment.points).all(|p| p.is_finite())
+    }
+
+    /// Whether it goes round a parameter that wraps.
+    pub(super) fn goes_round(&self) -> bool {
+        self.winding != [0; 2]
+    }
+
     /// Whether the loop's end lies far from its start in parameters but not in space, with no pole or period to explain it.
     fn jumps(&self, target: &Target, tail: DVec2) -> bool {
         let Some(first) = self.images.first() else { return false };
@@ -157,8 +172,8 @@ impl Outline {
                 continue;
             }
             let fitting = self.joints.iter().position(|joint| match *joint {
-                Joint::Pole { pole, span } => {
-                    target.singularities[pole].axis != axis && (span - excess).abs() <= 1.000_001 * period
+                Joint::Pole { poles, span } => {
+                    target.poles[poles[0]].axis != axis && (span - excess).abs() <= 1.000_001 * period
                 }
                 Joint::Plain => false,
             });
@@ -174,7 +189,9 @@ impl Outline {
     }
 
     /// Closes the joints: small gaps by moving end points, larger ones and poles by straight segments.
-    pub(super) fn welded(mut self, target: &Target, repairs: &mut Vec<String>) -> Chain {
+    ///
+    /// Moving an end point by a distance moves no point of its segment farther, and the deviations grow by it.
+    pub(super) fn welded(&mut self, target: &Target, repairs: &mut Vec<String>) -> Chain {
         let count = self.images.len();
         let mut total = DVec2::ZERO;
         for axis in 0..2 {
@@ -188,10 +205,10 @@ impl Outline {
             // Seen from the end of the loop, its start lies `offset` further.
             let mut q = start_of(&self.images[next]) + offset;
             match self.joints[i] {
-                Joint::Pole { pole, .. } => {
-                    let singularity = &target.singularities[pole];
-                    p = with_axis(p, singularity.axis, singularity.value);
-                    q = with_axis(q, singularity.axis, singularity.value);
+                Joint::Pole { poles, .. } => {
+                    let axis = target.poles[poles[0]].axis;
+                    p = with_axis(p, axis, target.pole_value(poles[0], p[axis]));
+                    q = with_axis(q, axis, target.pole_value(poles[1], q[axis]));
                 }
                 Joint::Plain => {
                     let gap = target.surface.point(p).distance(target.surface.point(q));
@@ -203,25 +220,31 @@ impl Outline {
                     }
                 }
             }
-            let segments = &mut self.images[next].segments;
-            set_start(&mut segments[0], q - offset);
+            let moved = |from: DVec2, to: DVec2| {
+                if from == to { 0.0 } else { ((to - from) * target.metric(from)).length() }
+            };
+            let image = &mut self.images[next];
+            image.deviation += moved(start(&image.segments[0]), q - offset);
+            set_start(&mut image.segments[0], q - offset);
             // The start is what the loop keeps; its copy at the end is derived from it.
-            let q = start(&segments[0]) + offset;
+            let q = start(&image.segments[0]) + offset;
             if let Joint::Plain = self.joints[i]
-                && (q - p).abs().max_element() <= 1e-12 * (1.0 + p.abs().max_element())
+                && p != q
+                && ((q - p) * target.metric(p)).length() <= ROUNDING * target.tolerance
             {
                 p = q;
             }
-            let segments = &mut self.images[i].segments;
-            let last = segments.len() - 1;
-            set_end(&mut segments[last], p);
+            let image = &mut self.images[i];
+            let last = image.segments.len() - 1;
+            image.deviation += moved(end(&image.segments[last]), p);
+            set_end(&mut image.segments[last], p);
             if p != q {
                 connections[i] = Some(straight(p, q));
             }
         }
         let mut segments = Vec::new();
-        for (image, connection) in self.images.into_iter().zip(connections) {
-            segments.extend(image.segments);
+        for (image, connection) in self.images.iter_mut().zip(connections) {
+            segments.append(&mut image.segments);
             segments.extend(connection);
         }
         Chain { segments, winding: self.winding, edges: count }

@@ -3,29 +3,52 @@
 //! On a plane the image is exact: the affine image of the edge's rational B-spline form. On every other surface it is
 //! marched and fitted (see `fit`), piece by piece between the edge's corners and the surface's poles. Images run in the
 //! direction of the loop and live in the universal cover of a periodic surface: each starts near where the last ended.
+//!
+//! The file's own pcurves often lie: they belong to another surface, are shifted by a period, or are approximate. One that
+//! lies on the edge tells where to look for each point, which matters where a surface comes near itself; the point
+//! itself is found by projection all the same.
 
 use super::TrimError;
-use super::fit::{Piece, fit};
-use super::segment::{Segment, control, end, reversed, start, straight, with_unit_ends};
+use super::fit::fit;
+use super::segment::{Segment, control, end, reversed, set_start, start, straight, with_unit_ends};
+use super::straighten::straightened;
 use super::target::Target;
-use crate::brep::Edge;
+use crate::brep::{Coedge, Edge, Id, Model};
 use crate::geometry::to_bspline::curve_to_bspline;
-use crate::geometry::{Bezier, Curve, Frame, Homogeneous, Surface, decompose_curve, invert_curve};
+use crate::geometry::{Bezier, Curve, Curve2, Frame, Homogeneous, Surface, decompose_curve, invert_curve};
 use glam::{DVec2, DVec3};
+
+/// The file's pcurve is believed where it is nowhere farther from the edge than this share of the face.
+const BELIEVED: f64 = 1e-3;
+
+/// A piece of an edge, smooth and without a pole inside.
+pub(super) struct Piece<'a> {
+    pub(super) curve: &'a Curve,
+    /// First and last parameter, in the direction of the loop.
+    pub(super) range: [f64; 2],
+    /// Poles at its ends.
+    pub(super) poles: [Option<usize>; 2],
+    /// The file's own image, where it is believed.
+    pub(super) hint: Option<&'a Curve2>,
+    /// For messages.
+    pub(super) entity: u64,
+}
 
 /// The image of an edge, or of the part of one between two poles.
 pub(super) struct EdgeImage {
+    pub(super) edge: Id<Edge>,
     /// At least one.
     pub(super) segments: Vec<Segment>,
     /// Poles of the surface at start and end.
     pub(super) poles: [Option<usize>; 2],
-    /// The greatest distance between image and edge, millimetres.
+    /// A bound of the distance between image and edge, millimetres.
     pub(super) deviation: f64,
 }
 
 /// An edge in the direction of its loop.
 #[derive(Clone, Copy)]
 pub(super) struct DirectedEdge<'a> {
+    pub(super) id: Id<Edge>,
     pub(super) edge: &'a Edge,
     /// Curve parameters at start and end in the loop's direction.
     pub(super) range: [f64; 2],
@@ -34,14 +57,19 @@ pub(super) struct DirectedEdge<'a> {
 }
 
 impl<'a> DirectedEdge<'a> {
-    pub(super) fn new(edge: &'a Edge, is_reversed: bool) -> Result<Self, TrimError> {
+    pub(super) fn new(model: &'a Model, coedge: Coedge) -> Result<Self, TrimError> {
+        let edge = &model.edges[coedge.edge];
+        let is_reversed = coedge.reversed;
         let range = if is_reversed { [edge.range[1], edge.range[0]] } else { edge.range };
         let failed = || TrimError::Numeric(format!("edge #{} has no finite range or points", edge.entity));
         if !range.iter().all(|t| t.is_finite()) {
             return Err(failed());
         }
         let ends = range.map(|t| edge.curve.point(t));
-        ends.iter().all(|p| p.is_finite()).then_some(Self { edge, range, ends }).ok_or_else(failed)
+        ends.iter()
+            .all(|p| p.is_finite())
+            .then_some(Self { id: coedge.edge, edge, range, ends })
+            .ok_or_else(failed)
     }
 
     pub(super) fn flipped(self) -> Self {
@@ -72,10 +100,11 @@ pub(super) fn edge_images(
     let mut times = vec![edge.range[0]];
     times.extend(pole_crossings(target, edge));
     times.push(edge.range[1]);
+    let hint = believed(target, edge);
     let mut images = Vec::new();
     let mut seed = seed;
     for range in times.windows(2) {
-        let image = image_between(target, edge, [range[0], range[1]], seed)?;
+        let image = image_between(target, edge, [range[0], range[1]], hint, seed)?;
         seed = image.segments.last().map(end);
         images.push(image);
     }
@@ -87,6 +116,7 @@ fn image_between(
     target: &Target,
     edge: &DirectedEdge,
     range: [f64; 2],
+    hint: Option<&Curve2>,
     mut seed: Option<DVec2>,
 ) -> Result<EdgeImage, TrimError> {
     let curve = &edge.edge.curve;
@@ -97,18 +127,19 @@ fn image_between(
         s > 1e-9 && s < 1.0 - 1e-9
     }));
     times.push(range[1]);
-    let mut image = EdgeImage { segments: Vec::new(), poles, deviation: 0.0 };
+    let mut image = EdgeImage { edge: edge.id, segments: Vec::new(), poles, deviation: 0.0 };
     let last = times.len() - 2;
     for (i, part) in times.windows(2).enumerate() {
         let part_poles = [poles[0].filter(|_| i == 0), poles[1].filter(|_| i == last)];
-        let piece = Piece { curve, range: [part[0], part[1]], poles: part_poles, entity: edge.edge.entity };
+        let entity = edge.edge.entity;
+        let piece = Piece { curve, range: [part[0], part[1]], poles: part_poles, hint, entity };
         // A pole has no parameters to start from.
         let fitted = fit(target, &piece, seed.filter(|_| part_poles[0].is_none()))?;
         let mut segments = fitted.segments;
         if let (Some(before), Some(first)) = (image.segments.last(), segments.first_mut()) {
             let joint = end(before);
             if start(first).distance(joint) <= 1e-3 * (end(first).distance(start(first))) {
-                super::segment::set_start(first, joint);
+                set_start(first, joint);
             } else if start(first) != joint {
                 segments.insert(0, straight(joint, start(&segments[0])));
             }
@@ -117,7 +148,26 @@ fn image_between(
         image.deviation = image.deviation.max(fitted.deviation);
         seed = image.segments.last().map(end);
     }
+    if let Some((segment, moved)) = straightened(target, &image.segments) {
+        image.segments = vec![segment];
+        image.deviation += moved;
+    }
     Ok(image)
+}
+
+/// The file's own image of the edge on this surface, where it lies on the edge.
+fn believed<'a>(target: &Target, edge: &DirectedEdge<'a>) -> Option<&'a Curve2> {
+    let [a, b] = edge.range;
+    let limit = BELIEVED * target.size + target.tolerance;
+    let lies_on_edge = |curve: &Curve2| {
+        (0..=8).all(|i| {
+            let t = a + (b - a) * f64::from(i) / 8.0;
+            let uv = curve.point(t);
+            uv.is_finite() && target.surface.point(uv).distance(edge.edge.curve.point(t)) <= limit
+        })
+    };
+    let own = edge.edge.pcurves.iter().filter(|pcurve| pcurve.surface == target.id);
+    own.map(|pcurve| &pcurve.curve).find(|curve| lies_on_edge(curve))
 }
 
 /// Parameters strictly inside the edge where it runs through a pole, in its direction.
@@ -125,21 +175,24 @@ fn pole_crossings(target: &Target, edge: &DirectedEdge) -> Vec<f64> {
     let [a, b] = edge.range;
     let curve = &edge.edge.curve;
     let mut crossings: Vec<f64> = target
-        .singularities
+        .poles
         .iter()
-        .filter_map(|singularity| {
-            let mut t = invert_curve(curve, singularity.point, None);
+        .filter_map(|pole| {
+            let mut t = invert_curve(curve, pole.point, None);
             if let Some(period) = curve.period() {
                 t += ((a.min(b) - t) / period).ceil() * period;
             }
             let share = (t - a) / (b - a);
             let inside = share > 1e-6 && share < 1.0 - 1e-6;
-            let meets = curve.point(t).distance(singularity.point) <= target.pole_tolerance();
-            (inside && meets).then_some(t)
+            let point = curve.point(t);
+            let near = target.pole_tolerance() + pole.radius;
+            let is_end = edge.ends.iter().any(|p| p.distance(point) <= target.pole_tolerance() + 2.0 * near);
+            (inside && !is_end && point.distance(pole.point) <= near).then_some(t)
         })
         .collect();
     crossings.sort_by(|x, y| if a <= b { x.total_cmp(y) } else { y.total_cmp(x) });
-    crossings.dedup();
+    // The poles of an almost horned torus are one.
+    crossings.dedup_by(|x, y| curve.point(*x).distance(curve.point(*y)) <= 2.0 * target.pole_tolerance());
     crossings
 }
 
@@ -147,12 +200,16 @@ fn pole_crossings(target: &Target, edge: &DirectedEdge) -> Vec<f64> {
 fn image_on_plane(target: &Target, frame: &Frame, edge: &DirectedEdge) -> Result<EdgeImage, TrimError> {
     let [a, b] = edge.range;
     let flat = |p: DVec3| frame.local_point(p).truncate();
-    let mut deviation: f64 = 0.0;
+    let height = |p: DVec3| frame.local_point(p).z.abs();
+    target.check_distance(edge.samples().map(height).fold(0.0, f64::max), edge.edge.entity)?;
+    // The curve lies in the hull of its control points, and height is linear.
+    let mut deviation = edge.ends.map(height).into_iter().fold(0.0, f64::max);
     let mut segments = Vec::new();
     if let Curve::Line { .. } = edge.edge.curve {
         segments.push(straight(flat(edge.ends[0]), flat(edge.ends[1])));
     } else {
         for span in decompose_curve(&curve_to_bspline(&edge.edge.curve, [a.min(b), a.max(b)])) {
+            deviation = span.bezier.points.iter().map(|p| height(p.point())).fold(deviation, f64::max);
             let points = span.bezier.points.iter().map(|p| control(flat(p.point()), p.weight())).collect();
             let segment = with_unit_ends(Bezier { points }).ok_or_else(|| {
                 TrimError::Numeric(format!("edge #{} has points that are not finite", edge.edge.entity))
@@ -164,12 +221,8 @@ fn image_on_plane(target: &Target, frame: &Frame, edge: &DirectedEdge) -> Result
             segments = segments.into_iter().map(reversed).collect();
         }
     }
-    for point in edge.samples() {
-        deviation = deviation.max(frame.local_point(point).z.abs());
-    }
-    target.check_distance(deviation, edge.edge.entity)?;
     if segments.is_empty() {
         return Err(TrimError::Numeric(format!("edge #{} has no pieces", edge.edge.entity)));
     }
-    Ok(EdgeImage { segments, poles: [None; 2], deviation })
+    Ok(EdgeImage { edge: edge.id, segments, poles: [None; 2], deviation })
 }

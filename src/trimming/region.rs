@@ -7,29 +7,51 @@
 
 use super::monotone::split_monotone;
 use super::outline::Chain;
+use super::pole::Pole;
 use super::segment::{
     Segment, end, extent, is_constant, point_at, samples, shift, signed_area, start, straight,
 };
 use super::target::Target;
 use super::wrap::{Strip, wrap};
-use super::{FaceTrim, TrimError};
+use super::{EdgeDeviation, FaceTrim, TrimError};
+use crate::brep::{Edge, Id};
 use crate::geometry::{ParameterBox, Surface};
 use glam::DVec2;
 
 /// What is gathered on the way.
 #[derive(Default)]
 pub(super) struct Report {
-    pub(super) deviation: f64,
+    /// Bounds of the distance of edges from their images; edges may come more than once.
+    pub(super) edges: Vec<(Id<Edge>, f64)>,
+    pub(super) size: f64,
     pub(super) repairs: Vec<String>,
+    pub(super) losses: Vec<String>,
+}
+
+impl Report {
+    /// The greatest bound of each edge, in order.
+    fn edge_deviations(&self) -> Vec<EdgeDeviation> {
+        let mut edges = self.edges.clone();
+        edges.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        edges.dedup_by_key(|(edge, _)| *edge);
+        edges.into_iter().map(|(edge, distance)| EdgeDeviation { edge, distance }).collect()
+    }
 }
 
 /// The face that covers its whole surface.
 pub(super) fn whole_surface(surface: &Surface) -> Result<FaceTrim, TrimError> {
-    let window = surface.domain();
+    let mut window = surface.domain();
+    if let Surface::Torus { major, minor, .. } = surface
+        && minor > major
+    {
+        // The outer one of the two sheets of a spindle torus lies between its poles.
+        let pole = (-major / minor).acos();
+        (window.min.y, window.max.y) = (-pole, pole);
+    }
     if !(window.min.is_finite() && window.max.is_finite()) {
         return Err(TrimError::Unbounded(format!("a whole {} has no end", surface.kind())));
     }
-    Ok(FaceTrim { window, curves: Vec::new(), deviation: 0.0, repairs: Vec::new() })
+    Ok(FaceTrim::whole(window))
 }
 
 /// The region bounded by `chains`; `left` tells whether the face lies left of them in the parameter plane, `seams` whether
@@ -41,10 +63,6 @@ pub(super) fn region(
     seams: bool,
     mut report: Report,
 ) -> Result<FaceTrim, TrimError> {
-    let finite = |s: &Segment| s.points.iter().all(|p| p.is_finite());
-    if !chains.iter().all(|chain| chain.segments.iter().all(finite)) {
-        return Err(TrimError::Numeric("a loop has parameters that are not finite".into()));
-    }
     for chain in &mut chains {
         chain.segments = chain
             .segments
@@ -95,14 +113,30 @@ fn island(target: &Target, chains: &mut Vec<Chain>, left: bool, seams: bool) -> 
         let mut low = origin;
         let mut high = origin;
         for axis in 0..2 {
-            match target.periods[axis] {
-                Some(period) => high[axis] += period,
-                None => (low[axis], high[axis]) = (target.domain.min[axis], target.domain.max[axis]),
+            let level = mean(&chains[largest], axis);
+            let poles = [false, true].map(|up| pole_beyond(target, axis, level, up));
+            match (poles, target.periods[axis]) {
+                ([Some(below), Some(above)], _) => (low[axis], high[axis]) = (below, above),
+                (_, Some(period)) => high[axis] += period,
+                _ => (low[axis], high[axis]) = (target.domain.min[axis], target.domain.max[axis]),
             }
         }
         chains.push(Chain { segments: rectangle(low, high), winding: [0; 2], edges: 0 });
+        return low;
     }
     origin
+}
+
+/// The pole nearest to `level` above it or below; poles of a periodic parameter come back in each period.
+fn pole_beyond(target: &Target, axis: usize, level: f64, up: bool) -> Option<f64> {
+    let value = |pole: &Pole| match target.periods[axis] {
+        Some(period) if up => level + (pole.value - level).rem_euclid(period),
+        Some(period) => level - (level - pole.value).rem_euclid(period),
+        None => pole.value,
+    };
+    let beyond = |value: &f64| if up { *value > level } else { *value < level };
+    let values = target.poles.iter().filter(|pole| pole.axis == axis).map(value).filter(beyond);
+    values.min_by(|a, b| (a - level).abs().total_cmp(&(b - level).abs()))
 }
 
 /// Whether a loop that runs clockwise around its inside is a hole in a closed surface, rather than an outer boundary with
@@ -119,12 +153,7 @@ fn is_hole(chain: &Chain) -> bool {
 /// Whether the surface bounds a volume by itself: each parameter wraps or ends in poles.
 fn is_closed_surface(target: &Target) -> bool {
     (0..2).all(|axis| {
-        let pole_at = |value: f64| {
-            target
-                .singularities
-                .iter()
-                .any(|s| s.axis == axis && (s.value - value).abs() <= 1e-9 * (1.0 + value.abs()))
-        };
+        let pole_at = |value: f64| target.poles.iter().any(|p| p.axis == axis && p.value == value);
         target.periods[axis].is_some()
             || (pole_at(target.domain.min[axis]) && pole_at(target.domain.max[axis]))
     })
@@ -154,7 +183,10 @@ fn band(
     };
     let mut origin = DVec2::ZERO;
     origin[axis] = cut_position(chains, &rounds, axis, period);
-    if let Some(width) = target.periods[across] {
+    let has_poles = target.poles.iter().any(|pole| pole.axis == across);
+    if let Some(width) = target.periods[across]
+        && (rounds.len().is_multiple_of(2) || !has_poles)
+    {
         if rounds.len() % 2 == 1 {
             return Err(TrimError::Numeric("a single loop goes round the surface".into()));
         }
@@ -175,6 +207,10 @@ fn band(
         let up = 2 * ups > rounds.len();
         let level = mean(&chains[reference], across);
         let limit = closing_value(target, across, level, up, report)?;
+        if target.periods[across].is_some() {
+            origin[across] =
+                rounds.iter().map(|&i| extent(&chains[i].segments)[0][across]).fold(limit, f64::min);
+        }
         let mut ends = [origin; 2];
         ends[1][axis] += period;
         ends.iter_mut().for_each(|p| p[across] = limit);
@@ -222,12 +258,10 @@ fn closing_value(
     report: &mut Report,
 ) -> Result<f64, TrimError> {
     let on_side = |up: bool| {
-        let beyond = |value: f64| if up { value > level } else { value < level };
-        let pole =
-            target.singularities.iter().filter(|s| s.axis == across && beyond(s.value)).map(|s| s.value);
         let edge = if up { target.domain.max[across] } else { target.domain.min[across] };
-        pole.min_by(|a, b| (a - level).abs().total_cmp(&(b - level).abs()))
-            .or_else(|| (edge.is_finite() && beyond(edge)).then_some(edge))
+        let is_beyond = if up { edge > level } else { edge < level };
+        pole_beyond(target, across, level, up)
+            .or_else(|| (target.periods[across].is_none() && edge.is_finite() && is_beyond).then_some(edge))
     };
     if let Some(value) = on_side(up) {
         return Ok(value);
@@ -253,7 +287,9 @@ fn finished(curves: Vec<Segment>, report: Report) -> Result<FaceTrim, TrimError>
     if !curves.is_empty() && spread(&curves, window) < 1e-12 {
         return Err(TrimError::Empty);
     }
-    Ok(FaceTrim { window, curves, deviation: report.deviation, repairs: report.repairs })
+    let edges = report.edge_deviations();
+    let Report { size, repairs, losses, .. } = report;
+    Ok(FaceTrim { window, curves, edges, size, repairs, losses })
 }
 
 /// How far the curves leave the window's diagonal or any other line: 0 for a region without area. Measured as the

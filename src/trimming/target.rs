@@ -1,7 +1,9 @@
 //! The surface onto which edges are taken, with what every step needs to know about it.
 
 use super::TrimError;
-use crate::geometry::{ParameterBox, Singularity, Surface, invert_surface};
+use super::pole::{Pole, poles};
+use crate::brep::Id;
+use crate::geometry::{ParameterBox, Surface, invert_surface};
 use glam::{DVec2, DVec3};
 
 /// An edge may lie off its surface by this share of the face's size. Most files are off by less than 1e-3 of it, small
@@ -10,10 +12,11 @@ pub(super) const OFF_SURFACE: f64 = 5e-2;
 
 /// A surface, its parameter plane, and the tolerances of one face.
 pub(super) struct Target<'a> {
+    pub(super) id: Id<Surface>,
     pub(super) surface: &'a Surface,
     pub(super) periods: [Option<f64>; 2],
     pub(super) domain: ParameterBox,
-    pub(super) singularities: Vec<Singularity>,
+    pub(super) poles: Vec<Pole>,
     /// Greatest distance in space between an edge and its image, millimetres.
     pub(super) tolerance: f64,
     /// Diagonal of the box around the face's edges, millimetres.
@@ -28,14 +31,21 @@ pub(super) struct Foot {
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(surface: &'a Surface, relative_tolerance: f64, size: f64, magnitude: f64) -> Self {
+    pub(super) fn new(
+        id: Id<Surface>,
+        surface: &'a Surface,
+        relative_tolerance: f64,
+        size: f64,
+        magnitude: f64,
+    ) -> Self {
         // No image can be closer than the rounding of coordinates of this magnitude, some 100 roundings of 2⁻⁵³.
         let tolerance = (relative_tolerance * size).max(1e-14 * magnitude);
         Self {
+            id,
             surface,
             periods: surface.periods(),
             domain: surface.domain(),
-            singularities: surface.singularities(),
+            poles: poles(surface),
             tolerance,
             size,
         }
@@ -48,10 +58,24 @@ impl<'a> Target<'a> {
 
     /// The pole at `point`.
     pub(super) fn pole_at(&self, point: DVec3) -> Option<usize> {
-        let distance = |s: &Singularity| s.point.distance(point);
-        (0..self.singularities.len())
-            .filter(|&i| distance(&self.singularities[i]) <= self.pole_tolerance())
-            .min_by(|&a, &b| distance(&self.singularities[a]).total_cmp(&distance(&self.singularities[b])))
+        let distance = |pole: &Pole| pole.point.distance(point);
+        (0..self.poles.len())
+            .filter(|&i| distance(&self.poles[i]) <= self.pole_tolerance() + 2.0 * self.poles[i].radius)
+            .min_by(|&a, &b| distance(&self.poles[a]).total_cmp(&distance(&self.poles[b])))
+    }
+
+    /// The value of the pole's constant parameter that is nearest to `near`: whole periods apart where it wraps.
+    pub(super) fn pole_value(&self, pole: usize, near: f64) -> f64 {
+        let Pole { axis, value, .. } = self.poles[pole];
+        value + self.periods[axis].map_or(0.0, |period| ((near - value) / period).round() * period)
+    }
+
+    /// Whether two poles are one point in space: the two of a spindle torus that is almost a horn torus are.
+    pub(super) fn is_same_pole(&self, a: usize, b: usize) -> bool {
+        let (first, second) = (&self.poles[a], &self.poles[b]);
+        a == b
+            || (first.axis == second.axis
+                && first.point.distance(second.point) <= 2.0 * self.pole_tolerance())
     }
 
     /// The whole periods that bring `from` nearest to `to`.

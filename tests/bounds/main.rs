@@ -460,3 +460,24 @@ fn long_names_are_shared_by_many_instances() {
     });
     assert!(bytes < 1 << 29, "{bytes} bytes of names");
 }
+
+/// A loop that runs a hundred thousand times along one edge of ten thousand spans, on a cylinder.
+#[test]
+fn long_edges_are_not_followed_for_ever() {
+    let mut text = String::new();
+    let points: Vec<String> = (0..10_000).map(|i| format!("#{}", 1000 + i)).collect();
+    for i in 0..10_000 {
+        let angle = 1e-4 * f64::from(i);
+        let [x, y, z] = [3.0 * angle.cos(), 3.0 * angle.sin(), f64::from(i % 2)];
+        writeln!(text, "#{}=CARTESIAN_POINT('',({x:.9},{y:.9},{z:.9}));", 1000 + i)
+            .expect("a string takes all");
+    }
+    write!(text, "#80=POLYLINE('',({}));\n#81=EDGE_CURVE('',#82,#83,#80,.T.);\n", points.join(","))
+        .expect("a string takes all");
+    text += "#82=VERTEX_POINT('',#1000);\n#83=VERTEX_POINT('',#10999);\n#84=ORIENTED_EDGE('',*,*,#81,.T.);\n";
+    let coedges = "#84,".repeat(100_000);
+    let text = plate_with("#13", &format!("EDGE_LOOP('',({coedges}#84));"), &text);
+    let text = text.replace("PLANE('',#14)", "CYLINDRICAL_SURFACE('',#14,3.)");
+    let reasons = ends("a long edge", move || bake_and_trace(&import(&text)));
+    assert!(reasons.iter().any(|r| r.contains("too often")), "{reasons:?}");
+}
