@@ -10,8 +10,8 @@
 //! Scopes of edition 1 are flattened: what is inside is as visible as everything else. References to other files
 //! (edition 3) are kept apart.
 //!
-//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of several counts); ranges are inside the file
-//! and do not overlap; memory is linear in the number of statements.
+//! Invariants: work is linear in the file, whatever it holds; statements are sorted by id and have distinct ids (the first of
+//! several counts); ranges are inside the file and do not overlap; memory is linear in the number of statements.
 
 use memchr::{memchr, memchr3, memmem};
 use std::cell::OnceCell;
