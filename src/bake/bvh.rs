@@ -15,7 +15,7 @@ pub(super) type NarrowBox = [[f32; 3]; 2];
 
 /// Boxes reach no farther than this, millimetres: costs are areas times numbers of boxes in f32, and obvhs cannot go on once they overflow.
 /// 1e28 times 2³¹ boxes stays below the greatest f32; a hundred million kilometres are enough for any model.
-const FARTHEST: f32 = 1e14;
+pub(super) const FARTHEST: f32 = 1e14;
 
 /// A tree over boxes.
 #[derive(Debug, Default)]

@@ -1,8 +1,9 @@
 //! The first half of a face's bake: its trim, checked and normalised, and its box. After it the scene's size is known.
 
+use super::bvh;
 use super::region::Region;
 use crate::brep::{Face, Id, Model};
-use crate::geometry::{Homogeneous, ParameterBox, Surface};
+use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox, Surface};
 use crate::numeric::Aabb;
 use crate::trimming::{EdgeDeviation, FaceTrim, TrimOptions, trim_face};
 use glam::DVec2;
@@ -46,16 +47,28 @@ pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Res
     let region = Region::new(&trim)?;
     let bounds = match surface {
         // The hull of the trim curves is tighter than the window where a plane's axes are not the face's.
-        Surface::Plane { frame } if !trim.curves.is_empty() => Aabb::around(
-            trim.curves.iter().flat_map(|curve| &curve.points).map(|p| frame.point(p.point().extend(0.0))),
-        ),
+        Surface::Plane { frame } if !trim.curves.is_empty() => {
+            Aabb::around(trim.curves.iter().flat_map(hull).map(|p| frame.point(p.point().extend(0.0))))
+        }
         _ => surface.bounds(tight),
     };
     if bounds.is_empty() || !bounds.is_finite() {
         return Err("its box is not finite".into());
     }
+    if bounds.min.abs().max(bounds.max.abs()).max_element() > f64::from(bvh::FARTHEST) {
+        return Err(format!("it reaches farther than {:e} mm", bvh::FARTHEST));
+    }
     let FaceTrim { window, edges, size, repairs, losses, .. } = trim;
     Ok(Outline { window, region, bounds, edges, size, repairs, losses })
+}
+
+/// Control points of the sixteenths of `curve`: their hull leaves the curve by 1/256 of what that of the whole does.
+fn hull(curve: &Bezier<Homogeneous2>) -> Vec<Homogeneous2> {
+    let mut pieces = vec![curve.clone()];
+    for _ in 0..4 {
+        pieces = pieces.iter().flat_map(|piece| piece.split(0.5)).collect();
+    }
+    pieces.into_iter().flat_map(|piece| piece.points).collect()
 }
 
 /// The window, a little wider where the surface goes on beyond it.

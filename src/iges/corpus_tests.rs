@@ -45,7 +45,10 @@ fn corpus_is_read_without_loss() {
                     eprintln!("    {finding}");
                 }
                 assert_eq!(model.faces.len() + lost(&model), model.declared_faces, "{name}");
-                assert_eq!(lost(&model), 0, "{name}");
+                // What is cut off cannot be read.
+                let is_cut =
+                    model.diagnostics.iter().any(|d| d.reason.contains("without a terminate record"));
+                assert!(is_cut || lost(&model) == 0, "{name}");
             }
             Err(error) => eprintln!("{name}: {error}"),
         }

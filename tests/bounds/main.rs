@@ -109,8 +109,8 @@ fn circles_in_step_files_are_cut() {
         ("#12", "OFFSET_SURFACE('',#12,1.,.F.);", "", "circle"),
         ("#12", "SURFACE_REPLICA('',#12,#14);", "", "circle"),
         ("#12", "SURFACE_OF_LINEAR_EXTRUSION('',#12,#61);", "", "not supported"),
-        ("#2", "OPEN_SHELL('',(#2));", "", "belong to no body"),
-        ("#2", "ORIENTED_OPEN_SHELL('',*,#2,.T.);", "", "circle"),
+        ("#2", "OPEN_SHELL('',(#2));", "", "outside of any product"),
+        ("#2", "ORIENTED_OPEN_SHELL('',*,#2,.T.);", "", "outside of any product"),
         ("#1", "SHELL_BASED_SURFACE_MODEL('',(#1));", "", ""),
         (
             "#901",
@@ -241,7 +241,8 @@ fn gigantic_counts_are_refused() {
         {
             let model = import(&plate_with("#51", &bspline, ""));
             assert_eq!(model.faces.len(), 1, "{bspline}: the edge is straight");
-            assert!(says(&model, "straight edge instead"), "{bspline}: {:?}", model.diagnostics);
+            let is_told = says(&model, "straight edge instead") || says(&model, "corrected");
+            assert!(is_told, "{bspline}: {:?}", model.diagnostics);
         }
         let surface =
             format!("B_SPLINE_SURFACE('',{huge},{huge},((#31,#32),(#33,#34)),.UNSPECIFIED.,.F.,.F.,.F.);");
@@ -376,11 +377,7 @@ fn what_many_share_is_not_read_for_each() {
         writeln!(text, "#{}=ADVANCED_FACE('',(#11),#80,.T.);", 1000 + i).expect("a string takes all");
     }
     let shell = (0..100_000).map(|i| format!(",#{}", 1000 + i)).collect::<String>();
-    let text = step(&text.replacen("(#10)", &format!("(#10{shell})"), 1).replacen(
-        "PLANE('',#14,",
-        "CIRCLE('',#14,",
-        1,
-    ));
+    let text = with(PLATE, &text).replacen("(#10)", &format!("(#10{shell})"), 1);
     let model = ends("a long shared statement", move || import(&text));
     assert!(
         says(&model, "too often") && model.faces.len() == 1,
