@@ -108,7 +108,8 @@ pub(super) fn bake_face(
         trim_root: if needs_trim { 0 } else { TRIM_INSIDE },
         part: 0,
     };
-    if !is_finite(&record) {
+    // A window that is too large for single precision has a scale of 0.
+    if !is_finite(&record) || record.uv_scale.iter().any(|scale| !(*scale > 0.0)) {
         return Err("its numbers are beyond single precision".into());
     }
     Ok(BakedFace {
