@@ -61,7 +61,7 @@ pub(super) fn bake_nets(
     let bake_span = |span: PatchSpan, views: &[View]| -> Result<BakedSpan, String> {
         let domain = normalised_domain(span.u, span.v, outline);
         let patch = in_face_space(span.patch, origin + space.center, heaviest, is_rational);
-        if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.w > 0.0) {
+        if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.as_vec4().w > 0.0) {
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
