@@ -3,7 +3,7 @@
 import json
 import sys
 
-FLOORS = {"STEP": 0.9, "IGES": 0.9}  # share of rays that must agree; refused files count as wrong
+FLOORS = {"STEP": 0.96, "IGES": 0.99}  # share of rays that must agree; refused files count as wrong
 RAYS_OF_A_REFUSED_FILE = 200
 CRASHES = ("panicked", "rc 101", "rc -", "no answer")
 
