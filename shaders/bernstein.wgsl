@@ -5,45 +5,51 @@
 
 const CHUNKS: u32 = (MAX_NET_DEGREE + 4u) / 4u;
 
+// The functions of both parameters: those of u, then those of v.
 struct Basis {
-    values: array<vec4<f32>, CHUNKS>,
-    slopes: array<vec4<f32>, CHUNKS>,
+    values: array<vec4<f32>, 2u * CHUNKS>,
+    slopes: array<vec4<f32>, 2u * CHUNKS>,
 }
 
-fn basis_and_slopes(degree: u32, t: f32) -> Basis {
+fn basis_and_slopes(degrees: vec2<u32>, uv: vec2<f32>) -> Basis {
     var result: Basis;
-    let s = 1.0 - t;
-    let chunks = degree / 4u + 1u;
-    let m = f32(degree) - 1.0;
-    // binomial(m, i) tⁱ, each from the one before; 0 from i = m + 1 on.
-    var term = 1.0;
-    for (var c = 0u; c < chunks; c++) {
-        let i = f32(4u * c);
-        let x = term;
-        let y = x * t * ((m - i) / (i + 1.0));
-        let z = y * t * ((m - i - 1.0) / (i + 2.0));
-        let w = z * t * ((m - i - 2.0) / (i + 3.0));
-        term = w * t * ((m - i - 3.0) / (i + 4.0));
-        result.values[c] = vec4<f32>(x, y, z, w);
-    }
-    // Times (1−t)^(m−i), from i = m down.
-    var power = 1.0;
-    for (var c = chunks; c > 0u; c--) {
-        let i = f32(4u * (c - 1u));
-        let w = power;
-        let z = select(w, w * s, i + 3.0 <= m);
-        let y = select(z, z * s, i + 2.0 <= m);
-        let x = select(y, y * s, i + 1.0 <= m);
-        power = select(x, x * s, i <= m);
-        result.values[c - 1u] *= vec4<f32>(x, y, z, w);
-    }
-    var before = 0.0;
-    for (var c = 0u; c < chunks; c++) {
-        let lower = result.values[c];
-        let shifted = vec4<f32>(before, lower.xyz);
-        result.slopes[c] = f32(degree) * (shifted - lower);
-        result.values[c] = t * shifted + s * lower;
-        before = lower.w;
+    for (var k = 0u; k < 2u; k++) {
+        let degree = degrees[k];
+        let t = uv[k];
+        let s = 1.0 - t;
+        let first = k * CHUNKS;
+        let chunks = degree / 4u + 1u;
+        let m = f32(degree) - 1.0;
+        // binomial(m, i) tⁱ, each from the one before; 0 from i = m + 1 on.
+        var term = 1.0;
+        for (var c = 0u; c < chunks; c++) {
+            let i = f32(4u * c);
+            let x = term;
+            let y = x * t * ((m - i) / (i + 1.0));
+            let z = y * t * ((m - i - 1.0) / (i + 2.0));
+            let w = z * t * ((m - i - 2.0) / (i + 3.0));
+            term = w * t * ((m - i - 3.0) / (i + 4.0));
+            result.values[first + c] = vec4<f32>(x, y, z, w);
+        }
+        // Times (1−t)^(m−i), from i = m down.
+        var power = 1.0;
+        for (var c = chunks; c > 0u; c--) {
+            let i = f32(4u * (c - 1u));
+            let w = power;
+            let z = select(w, w * s, i + 3.0 <= m);
+            let y = select(z, z * s, i + 2.0 <= m);
+            let x = select(y, y * s, i + 1.0 <= m);
+            power = select(x, x * s, i <= m);
+            result.values[first + c - 1u] *= vec4<f32>(x, y, z, w);
+        }
+        var before = 0.0;
+        for (var c = 0u; c < chunks; c++) {
+            let lower = result.values[first + c];
+            let shifted = vec4<f32>(before, lower.xyz);
+            result.slopes[first + c] = f32(degree) * (shifted - lower);
+            result.values[first + c] = t * shifted + s * lower;
+            before = lower.w;
+        }
     }
     return result;
 }
@@ -60,8 +66,7 @@ fn net_degrees(net: u32) -> vec2<u32> {
 
 fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     let degrees = net_degrees(net);
-    var u = basis_and_slopes(degrees.x, uv.x);
-    var v = basis_and_slopes(degrees.y, uv.y);
+    var basis = basis_and_slopes(degrees, uv);
     var jet: NetJet;
     for (var i = 0u; i <= degrees.x; i++) {
         let first = nets[net].first_point + i * (degrees.y + 1u);
@@ -69,12 +74,12 @@ fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
         var row_v = vec4<f32>(0.0);
         for (var c = 0u; c <= degrees.y / 4u; c++) {
             let four = four_points(first, c, degrees.y, about);
-            row += four * v.values[c];
-            row_v += four * v.slopes[c];
+            row += four * basis.values[CHUNKS + c];
+            row_v += four * basis.slopes[CHUNKS + c];
         }
-        let value = u.values[i / 4u][i % 4u];
+        let value = basis.values[i / 4u][i % 4u];
         jet.value += row * value;
-        jet.by_u += row * u.slopes[i / 4u][i % 4u];
+        jet.by_u += row * basis.slopes[i / 4u][i % 4u];
         jet.by_v += row_v * value;
     }
     return jet;

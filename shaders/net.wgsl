@@ -39,6 +39,29 @@ struct RayPlanes {
     slope: vec2<f32>,
 }
 
+// A square of a leaf's domain, of side 2^-level.
+struct Cell {
+    level: u32,
+    place: vec2<u32>,
+}
+
+// What a cell asks for: a search from a start, where `wanted`, or that its quarters are looked at instead.
+struct Verdict {
+    start: vec2<f32>,
+    unique: bool,
+    wanted: bool,
+    splits: bool,
+}
+
+// Newton's iteration, `steps` along.
+struct Search {
+    uv: vec2<f32>,
+    steps: u32,
+    unique: bool,
+    converged: bool,
+    goes_on: bool,
+}
+
 struct Tangents {
     u: vec3<f32>,
     v: vec3<f32>,
@@ -50,6 +73,8 @@ fn leaf_domain(leaf: u32) -> Domain {
     return Domain(vec2<f32>(bits & vec2<u32>(0xfffu)) * size, size);
 }
 
+// The twin's loops over cells, starts and steps are one loop here, so that `net_jet` stands once: drivers copy a function's whole text to
+// each of its calls, and invocations that look at cells and others that take steps evaluate together.
 fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     var roots = NetRoots();
     let hit = intersect_slab(leaf, ray, near, far);
@@ -58,35 +83,84 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     }
     let domain = leaf_domain(leaf);
     let planes = ray_planes(ray);
-    if !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u {
-        isolate(leaf, ray, planes, domain, &roots);
-        return roots;
-    }
-    // Starts in the twin's order: three along the ray, then five across the leaf; a certified leaf needs one, a flat one has no plane.
-    let first = select(0u, 3u, hit.flat_leaf);
-    let last = select(8u, 1u, hit.unique);
-    for (var k = first; k < last; k++) {
-        var start: vec2<f32>;
-        if k < 3u {
-            var t = hit.enter;
-            if hit.unique {
-                t = min(max(-hit.at.z / hit.along.z, hit.enter), hit.leave);
-            } else if k == 1u {
-                t = hit.leave;
-            } else if k == 2u {
-                t = (hit.enter + hit.leave) * 0.5;
+    let isolating = !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u;
+    var cell = Cell(0u, vec2<u32>(0u));
+    var next_start = select(0u, 3u, hit.flat_leaf);
+    let last_start = select(8u, 1u, hit.unique);
+    var starts_left = select(last_start - next_start, MAX_ISOLATION_CELLS, isolating);
+    var search = Search(vec2<f32>(0.0), 0u, hit.unique, false, true);
+    var is_new = true;
+    loop {
+        if is_new {
+            if starts_left == 0u {
+                return roots;
             }
-            start = slab_start(hit, t, domain);
-        } else {
-            var place = vec2<f32>(0.5);
-            if k > 3u {
-                place = vec2<f32>(select(0.9, 0.1, (k & 1u) == 0u), select(0.9, 0.1, k < 6u));
+            starts_left -= 1u;
+            if isolating {
+                search = Search(cell_center(cell, domain), 0u, false, false, true);
+            } else {
+                search = Search(fixed_start(hit, next_start, domain), 0u, hit.unique, false, true);
+                next_start += 1u;
             }
-            start = domain.low + domain.size * place;
         }
-        search(leaf, ray, planes, domain, start, hit.unique, &roots);
+        let jet = net_jet(net_leaves[leaf].net, ray.origin, search.uv);
+        if isolating && is_new {
+            let verdict = examine(jet, leaf, ray, planes, domain, cell);
+            if verdict.splits {
+                cell = Cell(cell.level + 1u, cell.place * 2u);
+                continue;
+            }
+            search = Search(verdict.start, 0u, verdict.unique, false, verdict.wanted);
+        } else {
+            advance(jet, leaf, ray, planes, domain, &search, &roots);
+        }
+        is_new = !search.goes_on;
+        if isolating && is_new && !next_cell(&cell) {
+            return roots;
+        }
     }
     return roots;
+}
+
+fn cell_center(cell: Cell, domain: Domain) -> vec2<f32> {
+    return domain.low + domain.size * (vec2<f32>(cell.place * 2u + vec2<u32>(1u)) * cell_radius(cell));
+}
+
+fn cell_radius(cell: Cell) -> f32 {
+    return 0.5 / f32(1u << cell.level);
+}
+
+// The next of four, or of the parent's four; false where there is none.
+fn next_cell(cell: ptr<function, Cell>) -> bool {
+    while (*cell).level > 0u && ((*cell).place.x & (*cell).place.y & 1u) == 1u {
+        *cell = Cell((*cell).level - 1u, (*cell).place >> vec2<u32>(1u));
+    }
+    if ((*cell).place.x & 1u) == 0u {
+        (*cell).place.x += 1u;
+    } else {
+        (*cell).place = vec2<u32>((*cell).place.x - 1u, (*cell).place.y + 1u);
+    }
+    return (*cell).level != 0u;
+}
+
+// Starts in the twin's order: three along the ray, then five across the leaf; a certified leaf needs one, a flat one has no plane.
+fn fixed_start(hit: SlabHit, k: u32, domain: Domain) -> vec2<f32> {
+    if k < 3u {
+        var t = hit.enter;
+        if hit.unique {
+            t = min(max(-hit.at.z / hit.along.z, hit.enter), hit.leave);
+        } else if k == 1u {
+            t = hit.leave;
+        } else if k == 2u {
+            t = (hit.enter + hit.leave) * 0.5;
+        }
+        return slab_start(hit, t, domain);
+    }
+    var place = vec2<f32>(0.5);
+    if k > 3u {
+        place = vec2<f32>(select(0.9, 0.1, (k & 1u) == 0u), select(0.9, 0.1, k < 6u));
+    }
+    return domain.low + domain.size * place;
 }
 
 fn slab_start(hit: SlabHit, t: f32, domain: Domain) -> vec2<f32> {
@@ -201,108 +275,70 @@ fn plane_values(planes: RayPlanes, p: vec4<f32>) -> vec2<f32> {
     return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major];
 }
 
-fn isolate(leaf: u32, ray: PrimitiveRay, planes: RayPlanes, domain: Domain, roots: ptr<function, NetRoots>) {
+// What one cell of the twin's `isolate` asks for.
+fn examine(jet: NetJet, leaf: u32, ray: PrimitiveRay, planes: RayPlanes, domain: Domain, cell: Cell) -> Verdict {
     let a = net_leaves[leaf].tangent_u;
     let b = net_leaves[leaf].tangent_v;
     let bend = f32(net_leaves[leaf].certificate >> 24u) * (1.0 / 64.0) * min(length(a), length(b)) * sqrt(2.0);
     let size = greatest(net_leaves[leaf].center) + greatest(ray.origin) + greatest(a) + greatest(b);
     let rounding = size * 16.0 * EPSILON;
-    var level = 0u;
-    var cell = vec2<u32>(0u);
-    for (var i = 0u; i < MAX_ISOLATION_CELLS; i++) {
-        let radius = 0.5 / f32(1u << level);
-        let uv = domain.low + domain.size * (vec2<f32>(cell * 2u + vec2<u32>(1u)) * radius);
-        let jet = net_jet(net_leaves[leaf].net, ray.origin, uv);
-        let scale = 1.0 / jet.value.w;
-        let f = plane_values(planes, jet.value) * scale;
-        let f_s = (plane_values(planes, jet.by_u) - f * jet.by_u.w) * scale * domain.size.x;
-        let f_t = (plane_values(planes, jet.by_v) - f * jet.by_v.w) * scale * domain.size.y;
-        let reach = radius * (1.0 + 1.0 / 64.0);
-        let remainder = bend * 0.5 * reach * reach + rounding;
-        let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
-        let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
-        let rows = vec2<f32>(abs(f_t.x) + abs(f_t.y), abs(f_s.x) + abs(f_s.y));
-        let room = reach * abs(determinant);
-        let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + remainder) || any(abs(step) > room + rows * remainder);
-        if !misses {
-            let is_regular = max(rows.x, rows.y) * bend * reach < 0.4 * abs(determinant);
-            if !is_regular && level < MAX_ISOLATION_LEVEL {
-                level += 1u;
-                cell *= 2u;
-                continue;
-            }
-            var start = uv;
-            if is_regular {
-                start -= step / determinant * domain.size;
-            }
-            search(leaf, ray, planes, domain, start, is_regular && level <= 2u, roots);
-        }
-        while level > 0u && (cell.x & cell.y & 1u) == 1u {
-            level -= 1u;
-            cell = cell >> vec2<u32>(1u);
-        }
-        if level == 0u {
-            return;
-        }
-        if (cell.x & 1u) == 0u {
-            cell.x += 1u;
-        } else {
-            cell = vec2<u32>(cell.x - 1u, cell.y + 1u);
-        }
-    }
+    let scale = 1.0 / jet.value.w;
+    let f = plane_values(planes, jet.value) * scale;
+    let f_s = (plane_values(planes, jet.by_u) - f * jet.by_u.w) * scale * domain.size.x;
+    let f_t = (plane_values(planes, jet.by_v) - f * jet.by_v.w) * scale * domain.size.y;
+    let reach = cell_radius(cell) * (1.0 + 1.0 / 64.0);
+    let remainder = bend * 0.5 * reach * reach + rounding;
+    let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
+    let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
+    let rows = vec2<f32>(abs(f_t.x) + abs(f_t.y), abs(f_s.x) + abs(f_s.y));
+    let room = reach * abs(determinant);
+    let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + remainder) || any(abs(step) > room + rows * remainder);
+    let is_regular = max(rows.x, rows.y) * bend * reach < 0.4 * abs(determinant);
+    let start = cell_center(cell, domain) - select(vec2<f32>(0.0), step / determinant * domain.size, is_regular);
+    let splits = !misses && !is_regular && cell.level < MAX_ISOLATION_LEVEL;
+    return Verdict(start, is_regular && cell.level <= 2u, !misses, splits);
 }
 
-fn search(
+// One turn of the twin's `search`: a step, or after the last one the root's test.
+fn advance(
+    jet: NetJet,
     leaf: u32,
     ray: PrimitiveRay,
     planes: RayPlanes,
     domain: Domain,
-    start: vec2<f32>,
-    unique: bool,
+    search: ptr<function, Search>,
     roots: ptr<function, NetRoots>,
 ) {
-    let net = net_leaves[leaf].net;
-    var uv = start;
+    let unique = (*search).unique;
+    if (*search).converged || (*search).steps == select(16u, 10u, unique) {
+        (*search).goes_on = false;
+        let from_origin = jet.value.xyz * (1.0 / jet.value.w);
+        let t = dot(from_origin, ray.direction) / dot(ray.direction, ray.direction);
+        let miss = greatest(from_origin - ray.direction * t);
+        let size = greatest(net_leaves[leaf].tangent_u) + greatest(net_leaves[leaf].tangent_v);
+        let rounding = (size + greatest(from_origin + ray.origin)) * EPSILON;
+        if miss <= rounding * select(64.0, 4096.0, (*search).converged) {
+            add_root(roots, NetRoot((*search).uv, t), domain);
+        }
+        return;
+    }
+    let f = plane_values(planes, jet.value);
+    let f_u = plane_values(planes, jet.by_u);
+    let f_v = plane_values(planes, jet.by_v);
+    let determinant = f_u.x * f_v.y - f_u.y * f_v.x;
+    let du = (f.x * f_v.y - f.y * f_v.x) / determinant;
+    let dv = (f_u.x * f.y - f_u.y * f.x) / determinant;
+    let longest = max(abs(du / domain.size.x), abs(dv / domain.size.y));
+    let shorten = select(1.0, 1.0 / longest, longest > 1.0);
+    let uv = (*search).uv - vec2<f32>(du, dv) * shorten;
     let small = select(SQRT_EPSILON / 64.0, SQRT_EPSILON, unique);
-    let limit = select(16u, 10u, unique);
-    var converged = false;
-    for (var i = 0u; i < limit; i++) {
-        let jet = net_jet(net, ray.origin, uv);
-        let f = plane_values(planes, jet.value);
-        let f_u = plane_values(planes, jet.by_u);
-        let f_v = plane_values(planes, jet.by_v);
-        let determinant = f_u.x * f_v.y - f_u.y * f_v.x;
-        let du = (f.x * f_v.y - f.y * f_v.x) / determinant;
-        let dv = (f_u.x * f.y - f_u.y * f.x) / determinant;
-        if !(is_finite(du) && is_finite(dv)) {
-            return;
-        }
-        let longest = max(abs(du / domain.size.x), abs(dv / domain.size.y));
-        let shorten = select(1.0, 1.0 / longest, longest > 1.0);
-        uv -= vec2<f32>(du, dv) * shorten;
-        if !is_within(uv, domain, 1.0) {
-            return;
-        }
-        if longest <= small {
-            converged = true;
-            break;
-        }
-    }
-    let margin = select(0.5, 1.0 / 64.0, unique);
-    let on_net = all(uv >= vec2<f32>(-OVERLAP)) && all(uv <= vec2<f32>(1.0 + OVERLAP));
-    if !(on_net && is_within(uv, domain, margin)) {
-        return;
-    }
-    let at = net_jet(net, ray.origin, uv).value;
-    let from_origin = at.xyz * (1.0 / at.w);
-    let t = dot(from_origin, ray.direction) / dot(ray.direction, ray.direction);
-    let miss = greatest(from_origin - ray.direction * t);
-    let size = greatest(net_leaves[leaf].tangent_u) + greatest(net_leaves[leaf].tangent_v);
-    let rounding = (size + greatest(from_origin + ray.origin)) * EPSILON;
-    if !(miss <= rounding * select(64.0, 4096.0, converged)) {
-        return;
-    }
-    add_root(roots, NetRoot(uv, t), domain);
+    (*search).uv = uv;
+    (*search).steps += 1u;
+    (*search).converged = longest <= small;
+    let is_last = longest <= small || (*search).steps == select(16u, 10u, unique);
+    let margin = select(1.0, select(0.5, 1.0 / 64.0, unique), is_last);
+    let on_net = !is_last || (all(uv >= vec2<f32>(-OVERLAP)) && all(uv <= vec2<f32>(1.0 + OVERLAP)));
+    (*search).goes_on = is_finite(du) && is_finite(dv) && on_net && is_within(uv, domain, margin);
 }
 
 fn is_within(uv: vec2<f32>, domain: Domain, margin: f32) -> bool {

@@ -11,27 +11,72 @@ struct Lights {
     ambient_occlusion: u32,
 }
 
-fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32) -> vec4<f32> {
+struct Shaded {
+    color: vec4<f32>,
+    // The first hit of the ray, and its normal towards the eye; count 0 where nothing is hit.
+    first: Collected,
+    normal: vec3<f32>,
+}
+
+// The twin's `shade_layers`, `shade_hit` and `openness`. One loop walks the ray and the rays that look for the sky in turn, so that `trace`
+// stands once: a driver copies a function's whole text to each of its calls.
+fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32, center_only: bool) -> Shaded {
+    var shaded: Shaded;
+    var ray = pixel_ray.ray;
     var near = pixel_ray.near;
-    var color = vec4<f32>(0.0);
-    for (var layer = 1u; layer <= MAX_LAYERS; layer++) {
-        let seen = first_hit(pixel_ray.ray, near);
-        if seen.count == 0u {
-            break;
+    var far = Distance(0.0, INFINITE);
+    var to_sky = false;
+    var layer = 1u;
+    var hit: RawHit;
+    var n: vec3<f32>;
+    while layer <= MAX_LAYERS {
+        var seen: Collected;
+        seen.far = far;
+        trace(ray, near, &seen);
+        var open = 1.0;
+        if to_sky {
+            open = openness(seen);
+        } else {
+            if seen.count == 0u {
+                break;
+            }
+            hit = seen.hit;
+            n = hit_normal(hit);
+            n = select(n, -n, dot(n, ray.direction) > 0.0);
+            if layer == 1u {
+                shaded.first = seen;
+                shaded.normal = n;
+            }
+            if center_only {
+                break;
+            }
+            if lights.ambient_occlusion != 0u {
+                to_sky = true;
+                let place = sky_sample(pixel, sample_index);
+                let direction = cosine_direction(n, place.x, place.y);
+                ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
+                near = Distance(0.0, 0.0);
+                far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
+                continue;
+            }
         }
-        let hit = seen.hit;
         let material = materials[hit_material(hit)];
-        let lit = shade_hit(lights, pixel_ray.ray, hit, material, pixel, sample_index);
+        let lit = shade_surface(lights, n, -pixel_ray.ray.direction, material, open);
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
-        let left = (1.0 - color.w) * opacity;
-        color += vec4<f32>(lit * left, left);
-        if color.w > 0.995 {
-            return vec4<f32>(color.xyz * (1.0 / color.w), 1.0);
+        let left = (1.0 - shaded.color.w) * opacity;
+        shaded.color += vec4<f32>(lit * left, left);
+        if shaded.color.w > 0.995 {
+            shaded.color = vec4<f32>(shaded.color.xyz * (1.0 / shaded.color.w), 1.0);
+            break;
         }
+        to_sky = false;
+        ray = pixel_ray.ray;
         near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
+        far = Distance(0.0, INFINITE);
+        layer += 1u;
     }
-    return color;
+    return shaded;
 }
 
 fn hit_material(hit: RawHit) -> u32 {
@@ -41,23 +86,6 @@ fn hit_material(hit: RawHit) -> u32 {
 
 fn surface_offset() -> f32 {
     return header.scene_radius * SURFACE_OFFSET;
-}
-
-fn shade_hit(
-    lights: Lights,
-    ray: WorldRay,
-    hit: RawHit,
-    material: Material,
-    pixel: u32,
-    sample_index: u32,
-) -> vec3<f32> {
-    let outward = hit_normal(hit);
-    let n = select(outward, -outward, dot(outward, ray.direction) > 0.0);
-    var open = 1.0;
-    if lights.ambient_occlusion != 0u {
-        open = openness(ray, hit, n, pixel, sample_index);
-    }
-    return shade_surface(lights, n, -ray.direction, material, open);
 }
 
 fn shade_surface(lights: Lights, n: vec3<f32>, view: vec3<f32>, material: Material, open: f32) -> vec3<f32> {
@@ -84,22 +112,11 @@ fn specular(n: vec3<f32>, view: vec3<f32>, light: vec3<f32>) -> f32 {
     return SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * pow(along, GLOSS) * dot(n, light);
 }
 
-fn openness(
-    ray: WorldRay,
-    hit: RawHit,
-    n: vec3<f32>,
-    pixel: u32,
-    sample_index: u32,
-) -> f32 {
-    let place = sky_sample(pixel, sample_index);
-    let direction = cosine_direction(n, place.x, place.y);
-    let probe = leave_surface(ray, hit, n, direction, surface_offset());
-    let radius = header.scene_radius * OCCLUSION_RADIUS;
-    let seen = first_hit_before(probe, Distance(0.0, 0.0), Distance(0.0, radius));
+fn openness(seen: Collected) -> f32 {
     if seen.count == 0u {
         return 1.0;
     }
-    let blocked = 1.0 - clamp(beyond(seen.hit.distance, 0.0) / radius, 0.0, 1.0);
+    let blocked = 1.0 - clamp(beyond(seen.hit.distance, 0.0) / (header.scene_radius * OCCLUSION_RADIUS), 0.0, 1.0);
     return 1.0 - blocked * blocked;
 }
 

@@ -28,17 +28,6 @@ struct FaceParameters {
 
 const NO_NET: u32 = 0xffffffffu;
 
-fn first_hit(ray: WorldRay, near: Distance) -> Collected {
-    return first_hit_before(ray, near, Distance(0.0, INFINITE));
-}
-
-fn first_hit_before(ray: WorldRay, near: Distance, far: Distance) -> Collected {
-    var collected: Collected;
-    collected.far = far;
-    trace(ray, near, &collected);
-    return collected;
-}
-
 fn comes_before(a: RawHit, b: RawHit) -> bool {
     let ahead = minus(a.distance, b.distance);
     if ahead != 0.0 {

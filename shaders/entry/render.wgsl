@@ -1,4 +1,6 @@
-// Pictures: `render_sample` adds one sample to each pixel of a tile, `render_center` tells what its centre shows.
+// Pictures: adds one sample to each pixel of a tile, or, where `sample_index` is `samples`, tells what the pixels' centres show.
+//
+// One kernel for both: most of its text, which takes drivers long to compile, is the way to a hit.
 
 struct RenderParameters {
     camera: Camera,
@@ -34,7 +36,7 @@ fn accept(collected: ptr<function, Collected>, hit: RawHit) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn render_sample(@builtin(global_invocation_id) id: vec3<u32>) {
+fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= parameters.pixel_count {
         return;
     }
@@ -42,39 +44,24 @@ fn render_sample(@builtin(global_invocation_id) id: vec3<u32>) {
     let x = index % parameters.camera.width;
     let y = index / parameters.camera.width;
     let pixel = pixel_key(x, y);
-    let corner = vec2<f32>(f32(x), f32(y));
-    let place = corner + sample_offset(pixel, parameters.sample_index, parameters.samples);
+    let center_only = parameters.sample_index == parameters.samples;
+    let offset = sample_offset(pixel, parameters.sample_index, parameters.samples);
+    let place = vec2<f32>(f32(x), f32(y)) + select(offset, vec2<f32>(0.5), center_only);
     let ray = pixel_ray(parameters.camera, place.x, place.y);
-    var color = vec4<f32>(0.0);
+    var shaded: Shaded;
     if ray.meets {
-        color = shade_layers(parameters.lights, ray, pixel, parameters.sample_index);
+        shaded = shade_layers(parameters.lights, ray, pixel, parameters.sample_index, center_only);
     }
-    colors[id.x] += color;
-    if turns > MOST_TURNS {
-        centers[id.x].incomplete = 1u;
+    colors[id.x] += shaded.color;
+    var center = centers[id.x];
+    if center_only && shaded.first.count != 0u {
+        let hit = shaded.first.hit;
+        let t = ray.slide + (hit.distance.anchor + hit.distance.offset);
+        center.normal = shaded.normal;
+        center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
+        center.instance = hit.instance + 1u;
+        center.face = hit.face + 1u;
     }
-}
-
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn render_center(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= parameters.pixel_count {
-        return;
-    }
-    let pixel = parameters.first_pixel + id.x;
-    let corner = vec2<f32>(f32(pixel % parameters.camera.width), f32(pixel / parameters.camera.width));
-    let ray = pixel_ray(parameters.camera, corner.x + 0.5, corner.y + 0.5);
-    var center = Center();
-    if ray.meets {
-        let seen = first_hit(ray.ray, ray.near);
-        if seen.count != 0u {
-            let t = ray.slide + (seen.hit.distance.anchor + seen.hit.distance.offset);
-            let outward = hit_normal(seen.hit);
-            center.normal = select(outward, -outward, dot(outward, ray.ray.direction) > 0.0);
-            center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
-            center.instance = seen.hit.instance + 1u;
-            center.face = seen.hit.face + 1u;
-        }
-    }
-    center.incomplete = centers[id.x].incomplete | u32(turns > MOST_TURNS);
+    center.incomplete |= u32(turns > MOST_TURNS);
     centers[id.x] = center;
 }

@@ -16,6 +16,8 @@ pub const STORAGE_BUFFERS: u32 = 16;
 
 /// How long one submission may take before the device counts as lost. Dispatches are cut into tiles that take far less.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(120);
+/// The same of a software device, which compiles a kernel when it first runs: a minute on a core of its own, several on a busy one.
+const SOFTWARE_TIMEOUT: Duration = Duration::from_secs(1800);
 
 /// Which adapters count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +99,8 @@ impl Gpu {
     pub(super) fn run(&self, commands: wgpu::CommandBuffer) -> Result<(), GpuError> {
         self.check()?;
         let submission_index = Some(self.queue.submit([commands]));
-        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(SUBMISSION_TIMEOUT) };
+        let timeout = Some(if self.software { SOFTWARE_TIMEOUT } else { SUBMISSION_TIMEOUT });
+        let wait = wgpu::PollType::Wait { submission_index, timeout };
         let waited = self.device.poll(wait).map_err(|error| GpuError::Lost(error.to_string()));
         self.check()?;
         waited.map(|_| ())

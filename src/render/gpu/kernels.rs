@@ -35,6 +35,14 @@ impl Entry {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Render, Self::Probe];
 
+    /// The name of its file and of its only entry point.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Render => "render",
+            Self::Probe => "probe",
+        }
+    }
+
     fn text(self) -> &'static str {
         match self {
             Self::Render => include_str!("../../../shaders/entry/render.wgsl"),
@@ -195,8 +203,8 @@ const KINDS: [(&str, FaceKind); 6] = [
     ("NETS", FaceKind::Nets),
 ];
 
-/// Entry file, entry point, what the scene asks for, invocations in a workgroup.
-type PipelineKey = (Entry, &'static str, Specialisation, u32);
+/// Entry file, what the scene asks for, invocations in a workgroup.
+type PipelineKey = (Entry, Specialisation, u32);
 
 /// Layouts and the pipelines made so far.
 pub(super) struct Kernels {
@@ -229,15 +237,15 @@ impl Kernels {
 }
 
 impl Gpu {
-    /// The pipeline of one entry point, compiled at its first use.
+    /// The pipeline of an entry file, compiled at its first use.
     pub(super) fn pipeline(
         &self,
         entry: Entry,
-        entry_point: &'static str,
         specialisation: Specialisation,
         lanes: u32,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let key = (entry, entry_point, specialisation, lanes);
+        let key = (entry, specialisation, lanes);
+        let entry_point = entry.name();
         let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());

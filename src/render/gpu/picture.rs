@@ -137,10 +137,10 @@ impl Gpu {
         let count = parameters.pixel_count;
         let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
+        let pipeline = self.pipeline(Entry::Render, specialisation, lanes)?;
+        // The last one tells what the pixels' centres show.
         for sample in 0..=parameters.samples {
             parameters.sample_index = sample;
-            let entry_point = if sample < parameters.samples { "render_sample" } else { "render_center" };
-            let pipeline = self.pipeline(Entry::Render, entry_point, specialisation, lanes)?;
             let uniform = self.create_uniform("render parameters", &parameters);
             let bind_group = self.bind(Entry::Render, &[&uniform, &colors, &centers]);
             self.dispatch(&pipeline, scene, &bind_group, count, lanes)?;
