@@ -3,8 +3,6 @@
 // Here by powers, `B_i = binomial(m, i) tⁱ (1−t)^(m−i)`, of the next lower degree m, and in fours: a few loop turns instead of the
 // triangle's m²/2. Some drivers end a kernel's loops after a number of turns, and all are faster with fewer. Terms beyond the degree are 0.
 
-const CHUNKS: u32 = (MAX_NET_DEGREE + 4u) / 4u;
-
 // The functions of both parameters: those of u, then those of v.
 struct Basis {
     values: array<vec4<f32>, 2u * CHUNKS>,

@@ -2,8 +2,8 @@
 //!
 //! A source text is a generated prelude of constants, `types.wgsl`, an entry file with the bindings and entry points, and the
 //! function files, which are the twins of `render/cpu`. WGSL does not mind the order of declarations, so nothing is ever included
-//! from within. The prelude states what a scene needs: degrees size the local arrays, and a kind of surface that a scene lacks is
-//! a constant `false` that the driver removes with all that hangs on it.
+//! from within. The prelude states what a scene needs: the nets' degrees, in fours, size the local arrays, and a kind of surface that
+//! a scene lacks is a constant `false` that the driver removes with all that hangs on it.
 
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::cpu::light;
@@ -79,10 +79,8 @@ pub const FUNCTION_FILES: [(&str, &str); 13] = [
 /// What a scene asks of the kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Specialisation {
-    /// As in [`Header`].
-    pub max_net_degree: u32,
-    /// As in [`Header`].
-    pub max_trim_degree: u32,
+    /// Groups of four basis functions that the highest degree of a net asks for; it sizes the local arrays.
+    pub net_chunks: u32,
     /// As in [`Header`].
     pub feature_mask: u32,
 }
@@ -90,11 +88,7 @@ pub struct Specialisation {
 impl Specialisation {
     /// That of a scene.
     pub fn of(header: &Header) -> Self {
-        Self {
-            max_net_degree: header.max_net_degree,
-            max_trim_degree: header.max_trim_degree,
-            feature_mask: header.feature_mask,
-        }
+        Self { net_chunks: header.max_net_degree / 4 + 1, feature_mask: header.feature_mask }
     }
 
     fn has(&self, kind: FaceKind) -> bool {
@@ -143,11 +137,10 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 17] = [
+    let words: [(&str, u32); 16] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
-        ("MAX_NET_DEGREE", specialisation.max_net_degree.max(1)),
-        ("MAX_TRIM_DEGREE", specialisation.max_trim_degree.max(1)),
+        ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
         ("NO_MATERIAL", NO_MATERIAL),
         ("TRIM_INSIDE", TRIM_INSIDE),
