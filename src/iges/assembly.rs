@@ -2,18 +2,20 @@
 //! (430) of solids, groups (402), and everything that stands alone.
 //!
 //! The whole file is one part; a subfigure definition is another one, and so is a group that has a name, and whatever an
-//! instance refers to. Solids with a matrix of their own become placed parts too.
+//! instance refers to. Solids with a matrix of their own become placed parts too. What stands alone is sorted by levels where
+//! there are several: each is a part.
 
 use super::array;
 use super::catalog::{self, Catalog, PLACING, PRIMITIVES, is_group};
 use super::directory::{Mapped, Parameters, Problem};
+use super::level;
 use super::placement;
 use super::reader::Reader;
 use super::solid::solid_shells;
 use super::style;
 use crate::brep::{Body, BodyKind, Child, Color, Face, Id, Part, Severity};
 use glam::{DAffine3, DVec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Subfigures, groups and instances may not be nested deeper than this; deeper ones are cyclic or hostile.
 const MAX_DEPTH: usize = 64;
@@ -47,10 +49,26 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, name: String) {
     let stands_alone = |shape: &u32| {
         !tree.components.contains(shape) && !tree.owned.contains(shape) && !grouped.contains(shape)
     };
-    let alone = catalog.shapes.iter().copied().filter(stands_alone);
-    members.extend(alone.map(|entity| Member { entity, color: None }));
+    let alone: Vec<u32> = catalog.shapes.iter().copied().filter(stands_alone).collect();
+    let mut levels = level::sorted(reader, &alone);
+    if levels.len() == 1 {
+        levels = BTreeMap::from([(0, alone)]);
+    }
+    let without_color = |entity| Member { entity, color: None };
+    members.extend(levels.remove(&0).unwrap_or_default().into_iter().map(without_color));
     let mut part = Part { name, ..Part::default() };
     tree.fill(reader, &mut part, &members, 0);
+    let names = if levels.is_empty() { HashMap::new() } else { level::names(reader) };
+    for (number, members) in levels {
+        let name = names.get(&number).cloned().unwrap_or_else(|| format!("level {number}"));
+        let mut layer = Part { name, ..Part::default() };
+        let members: Vec<Member> = members.into_iter().map(without_color).collect();
+        tree.fill(reader, &mut layer, &members, 1);
+        if !(layer.bodies.is_empty() && layer.children.is_empty()) {
+            let layer = reader.model.parts.push(layer);
+            part.children.push(child(layer, DAffine3::IDENTITY, String::new(), 0));
+        }
+    }
     if !(part.bodies.is_empty() && part.children.is_empty()) {
         let root = reader.model.parts.push(part);
         reader.model.roots.push(root);

@@ -24,6 +24,8 @@ pub struct Entry {
     pub records: u32,
     /// The form number.
     pub form: i32,
+    /// The level number, or less than 0: minus the property that lists levels.
+    pub level: i32,
     /// The transformation matrix.
     pub transform: u32,
     /// The colour number, or less than 0: minus the colour definition.
@@ -337,6 +339,7 @@ impl Entry {
             parameters: unsigned(2),
             records: unsigned(14),
             form: signed(15),
+            level: signed(5),
             transform: unsigned(7),
             color: signed(13),
             blanked: pair(0) == 1,

@@ -21,6 +21,7 @@ mod csg;
 mod curve;
 mod directory;
 mod global;
+mod level;
 mod lifted;
 mod offset;
 mod placement;

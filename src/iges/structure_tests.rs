@@ -103,6 +103,35 @@ fn external_files_are_named() {
 }
 
 #[test]
+fn levels_sort_what_stands_alone() {
+    let face = || top(128, BILINEAR);
+    let entities = [
+        face().level(3),
+        face(),
+        face().level(-9),
+        face().level(3),
+        part(406, "2,7,3").form(1),
+        part(406, "2,1,4Hhull").form(3).level(7),
+        face().level(-99),
+    ];
+    let model = clean(&entities);
+    let (places, _) = occurrences(&model);
+    let found: Vec<(&str, usize)> = places
+        .iter()
+        .map(|place| {
+            (place.path.as_str(), model.parts[place.part].bodies.iter().map(|b| b.faces.len()).sum())
+        })
+        .collect();
+    assert_eq!(found.len(), 3, "{found:?}");
+    for (name, faces) in [("level 3", 2), ("hull", 1)] {
+        assert!(found.iter().any(|(path, count)| path.ends_with(name) && *count == faces), "{found:?}");
+    }
+    // On one level alone nothing is to be sorted.
+    let (places, _) = occurrences(&clean(&[face().level(3), face().level(3)]));
+    assert_eq!(places.len(), 1);
+}
+
+#[test]
 fn groups_give_names_and_colours() {
     // A named group with a coloured one inside, which has no name; one face has its own colour.
     let entities = [

@@ -8,6 +8,7 @@ use crate::trimming::{TrimOptions, trim_face};
 pub(super) struct Entity {
     pub(super) kind: u32,
     pub(super) form: i32,
+    pub(super) level: i32,
     pub(super) status: &'static str,
     pub(super) transform: u32,
     pub(super) color: i32,
@@ -18,7 +19,15 @@ pub(super) const DEPENDENT: &str = "00010000";
 pub(super) const FLAT: &str = "00010500";
 
 pub(super) fn entity(kind: u32, status: &'static str, parameters: &str) -> Entity {
-    Entity { kind, form: 0, status, transform: 0, color: 0, parameters: format!("{kind},{parameters};") }
+    Entity {
+        kind,
+        form: 0,
+        level: 0,
+        status,
+        transform: 0,
+        color: 0,
+        parameters: format!("{kind},{parameters};"),
+    }
 }
 
 pub(super) fn top(kind: u32, parameters: &str) -> Entity {
@@ -32,6 +41,9 @@ pub(super) fn part(kind: u32, parameters: &str) -> Entity {
 impl Entity {
     pub(super) fn form(self, form: i32) -> Self {
         Self { form, ..self }
+    }
+    pub(super) fn level(self, level: i32) -> Self {
+        Self { level, ..self }
     }
     pub(super) fn transform(self, transform: u32) -> Self {
         Self { transform, ..self }
@@ -62,11 +74,11 @@ pub(super) fn lines(global: &str, entities: &[Entity]) -> Vec<String> {
     for (i, entity) in entities.iter().enumerate() {
         let number = 2 * i + 1;
         let own = records(&entity.parameters, 64, 'P', &format!("{number:>8}"), parameters.len() + 1);
-        let Entity { kind, form, status, transform, color, .. } = entity;
+        let Entity { kind, form, level, status, transform, color, .. } = entity;
         let (first, count) = (parameters.len() + 1, own.len());
         directory.push(format!(
-            "{kind:>8}{first:>8}{:>8}{:>8}{:>8}{:>8}{transform:>8}{:>8}{status:>8}D{number:>7}",
-            0, 0, 0, 0, 0
+            "{kind:>8}{first:>8}{:>8}{:>8}{level:>8}{:>8}{transform:>8}{:>8}{status:>8}D{number:>7}",
+            0, 0, 0, 0
         ));
         directory.push(format!(
             "{kind:>8}{:>8}{color:>8}{count:>8}{form:>8}{:>8}{:>8}{:>8}{:>8}D{:>7}",
