@@ -3,7 +3,7 @@
 
 use naga::{Module, TypeInner};
 use std::mem::{offset_of, size_of};
-use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, counting_source, source};
+use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
 use trimray::scene;
 
 /// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high.
@@ -132,7 +132,7 @@ fn bvh_node_agrees() {
 fn kernels_validate() {
     for entry in Entry::ALL {
         for specialisation in &SPECIALISATIONS {
-            let text = counting_source(entry, specialisation, 1);
+            let text = software_source(entry, specialisation, 1);
             naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
             let module = parse(entry, specialisation);

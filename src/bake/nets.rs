@@ -11,12 +11,9 @@ use super::slab;
 use super::trim_tree::TrimTree;
 use crate::geometry::{BezierPatch, BsplineSurface, PatchSpan, decompose_surface};
 use crate::numeric::Aabb;
-use crate::scene::{Net, NetLeaf, TRIM_INSIDE};
+use crate::scene::{MAX_DEGREE, Net, NetLeaf, TRIM_INSIDE};
 use glam::{DVec2, DVec3, DVec4};
 use rayon::prelude::*;
-
-/// The highest degree that kernels evaluate.
-const MAX_DEGREE: usize = 25;
 
 /// Patches that are made before they are baked.
 const SPANS_AT_ONCE: usize = 256;
@@ -46,7 +43,7 @@ pub(super) fn bake_nets(
     distortion: f64,
     max_leaves: usize,
 ) -> Result<(DVec3, Nets), String> {
-    if surface.u_knots.degree().max(surface.v_knots.degree()) > MAX_DEGREE {
+    if surface.u_knots.degree().max(surface.v_knots.degree()) > MAX_DEGREE as usize {
         return Err("its degree is above 25".into());
     }
     let origin = narrow::snap(outline.bounds.center() - space.center, space.grid_step);

@@ -6,6 +6,7 @@
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2};
 use crate::numeric::bernstein::{Coefficients, eval_with_derivative};
 use crate::numeric::roots::bracketed_root;
+use crate::scene::MAX_DEGREE;
 use crate::trimming::FaceTrim;
 use glam::DVec2;
 
@@ -14,9 +15,6 @@ const MAX_OPEN_VERTICES: usize = 1024;
 
 /// Control points nearer than this to their chord make a straight line: below half the spacing of f32 numbers near 1.
 const STRAIGHT: f64 = 2.5e-8;
-
-/// The highest degree that kernels evaluate.
-const MAX_DEGREE: usize = 25;
 
 /// Curve parameters in [0, 1] are found this closely: a few roundings.
 const PARAMETER_TOLERANCE: f64 = 4.0 * f64::EPSILON;
@@ -90,7 +88,7 @@ impl Region {
         let mut ends = Vec::with_capacity(curves.len());
         for curve in &curves {
             let degree = curve.points.len().saturating_sub(1);
-            if !(1..=MAX_DEGREE).contains(&degree) {
+            if !(1..=MAX_DEGREE as usize).contains(&degree) {
                 return Err(format!("a trim curve has degree {degree}"));
             }
             // As the scene will hold them: weights may be too small for f32, and points too far out.

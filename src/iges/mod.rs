@@ -67,7 +67,7 @@ pub fn looks_like_iges(bytes: &[u8]) -> bool {
 pub struct Scanned<'a> {
     global: global::Global,
     directory: Directory<'a>,
-    remarks: Vec<String>,
+    remarks: Vec<(Severity, String)>,
 }
 
 /// Reads an IGES file. Never fails on a broken entity: what is lost is in the model's diagnostics. Fails where there are no
@@ -90,18 +90,20 @@ pub fn scan(bytes: &[u8]) -> Result<Scanned<'_>, IgesError> {
     if directory.len() == 0 {
         return Err(IgesError::Empty);
     }
-    let mut remarks = std::mem::take(&mut global.findings);
+    let mut warnings = std::mem::take(&mut global.findings);
     if cards.strange > 0 {
-        remarks.push(format!("{} records belong to no section", cards.strange));
-    }
-    if !cards.terminated {
-        remarks.push("the file ends without a terminate record".into());
+        warnings.push(format!("{} records belong to no section", cards.strange));
     }
     if cards.global.is_empty() {
-        remarks.push("the file has no global section".into());
+        warnings.push("the file has no global section".into());
     }
     if unpaired > 0 {
-        remarks.push(format!("{unpaired} directory records lack their other half"));
+        warnings.push(format!("{unpaired} directory records lack their other half"));
+    }
+    let mut remarks: Vec<_> = warnings.into_iter().map(|reason| (Severity::Warning, reason)).collect();
+    if !cards.terminated {
+        // Whether anything is missing shows elsewhere: in pointers that lead nowhere.
+        remarks.push((Severity::Repaired, "the file ends without a terminate record".into()));
     }
     Ok(Scanned { global, directory, remarks })
 }
@@ -116,8 +118,8 @@ pub fn map(scanned: Scanned<'_>) -> Model {
     let Scanned { global, directory, remarks } = scanned;
     let mut reader = Reader::new(directory, global.millimetres, global.resolution);
     reader.model.source = global.source;
-    for reason in remarks {
-        reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
+    for (severity, reason) in remarks {
+        reader.report(severity, Problem { entity: 0, kind: 0, reason });
     }
     let catalog = catalog::catalog(&mut reader);
     reader.model.declared_faces = catalog.faces.len();

@@ -299,6 +299,9 @@ pub struct InstanceF64 {
 /// Levels of a BVH at most; those of the BVH over instances and of a part's together stay within a stack of 32 entries.
 pub const MAX_TREE_DEPTH: usize = 16;
 
+/// The highest degree of nets and trim curves that the kernels evaluate.
+pub const MAX_DEGREE: u32 = 25;
+
 /// The material index that means "as the face says".
 pub const NO_MATERIAL: u32 = u32::MAX;
 

@@ -1,10 +1,7 @@
 //! Every index, count and bound of a scene, checked once before any kernel relies on them.
 
 use super::validate_trees::{bvh, trim_trees};
-use super::{FaceKind, NO_MATERIAL, Scene, TrimSegment, primitive};
-
-/// Degrees that the kernels evaluate.
-const MAX_DEGREE: u32 = 25;
+use super::{FaceKind, MAX_DEGREE, NO_MATERIAL, Scene, TrimSegment, primitive};
 
 /// Grid coordinates stay within this, so that their differences are exact.
 const MAX_STEPS: u32 = 1 << 30;

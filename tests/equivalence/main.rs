@@ -171,7 +171,7 @@ fn canaries_are_noticed() {
     let buffers = synthetic::every_kind();
     type Change = fn(&mut SceneBuffers);
     let wrong: [(&str, Change); 4] = [
-        ("a kernel without tori", |scene| scene.header.feature_mask &= !(1 << FaceKind::Torus as u32)),
+        ("a kernel without nets", |scene| scene.header.feature_mask &= !(1 << FaceKind::Nets as u32)),
         ("a cylinder too wide by a hundredth", |scene| scene.faces[1].radius_0 *= 1.01),
         ("a trim curve moved by a tenth", |scene| {
             scene.trim_points.iter_mut().for_each(|p| p[0] += 0.1 * p[2])

@@ -13,6 +13,8 @@ use std::time::Duration;
 
 /// Storage buffers that one kernel binds: the arrays of a scene and those of its entry file.
 pub const STORAGE_BUFFERS: u32 = 16;
+/// The same of a software device, where the two records of constants are storage buffers too.
+const SOFTWARE_STORAGE_BUFFERS: u32 = STORAGE_BUFFERS + 2;
 
 /// How long one submission may take before the device counts as lost. Dispatches are cut into tiles that take far less.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(120);
@@ -64,13 +66,14 @@ impl Gpu {
                 keep_first(&first, GpuError::Lost(text));
             }
         });
-        let kernels = Kernels::new(&device);
+        let software = is_software(&info);
+        let kernels = Kernels::new(&device, software);
         let gpu = Self {
             device,
             queue,
             kernels,
             name: format!("{} ({})", info.name, info.backend),
-            software: info.device_type == wgpu::DeviceType::Cpu,
+            software,
             failure,
         };
         gpu.check()?;
@@ -148,17 +151,26 @@ fn choose_adapter(choice: AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
 
 fn usable(adapter: &wgpu::Adapter, choice: AdapterChoice) -> Result<(), String> {
     let limits = adapter.limits();
-    if choice == AdapterChoice::Hardware && adapter.get_info().device_type == wgpu::DeviceType::Cpu {
+    let software = is_software(&adapter.get_info());
+    if choice == AdapterChoice::Hardware && software {
         return Err("a software renderer, slower than the CPU tracer".to_owned());
     }
     if !adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
         return Err("no compute shaders".to_owned());
     }
-    if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
-        let has = limits.max_storage_buffers_per_shader_stage;
-        return Err(format!("{has} storage buffers in a kernel, {STORAGE_BUFFERS} are needed"));
+    let (has, needed) = (limits.max_storage_buffers_per_shader_stage, storage_buffers(software));
+    if has < needed {
+        return Err(format!("{has} storage buffers in a kernel, {needed} are needed"));
     }
     Ok(())
+}
+
+fn is_software(info: &wgpu::AdapterInfo) -> bool {
+    info.device_type == wgpu::DeviceType::Cpu
+}
+
+fn storage_buffers(software: bool) -> u32 {
+    if software { SOFTWARE_STORAGE_BUFFERS } else { STORAGE_BUFFERS }
 }
 
 /// Lower is better.
@@ -175,7 +187,7 @@ fn rank(kind: wgpu::DeviceType) -> u32 {
 fn open(adapter: &wgpu::Adapter) -> Result<(wgpu::Device, wgpu::Queue), GpuError> {
     let has = adapter.limits();
     let required_limits = wgpu::Limits {
-        max_storage_buffers_per_shader_stage: STORAGE_BUFFERS,
+        max_storage_buffers_per_shader_stage: storage_buffers(is_software(&adapter.get_info())),
         max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
         max_buffer_size: has.max_buffer_size,
         ..wgpu::Limits::defaults().or_worse_values_from(&has)

@@ -9,7 +9,8 @@ use super::{Gpu, GpuError, GpuScene};
 use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::scene::{
-    Face, FaceKind, Header, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive, trim_node,
+    Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimSegment, primitive,
+    trim_node,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -91,6 +92,17 @@ impl Specialisation {
         Self { net_chunks: header.max_net_degree / 4 + 1, feature_mask: header.feature_mask }
     }
 
+    /// One of a few that serve all scenes: for devices that take longer to compile a kernel than a leaner one saves.
+    #[must_use]
+    pub fn widened(self) -> Self {
+        let nets = 1 << FaceKind::Nets as u32;
+        let others: u32 = KINDS.iter().map(|(_, kind)| 1 << *kind as u32).sum::<u32>() - nets;
+        Self {
+            net_chunks: if self.net_chunks <= 4 { 4 } else { MAX_DEGREE / 4 + 1 },
+            feature_mask: others | self.feature_mask & nets,
+        }
+    }
+
     fn has(&self, kind: FaceKind) -> bool {
         self.feature_mask >> kind as u32 & 1 == 1
     }
@@ -99,12 +111,15 @@ impl Specialisation {
 /// What the probe kernel answers instead of a number of hits where it ran out of loop turns.
 pub(super) const INCOMPLETE: u32 = u32::MAX;
 
-/// The text of a kernel that counts the turns of its loops.
+/// The text of a kernel for Mesa's software renderer: it counts the turns of its loops, and has no uniform buffers.
 ///
 /// Mesa's software renderer ends all loops, without a word, after 65,535 turns in total. Hits found by then are not all hits, so its kernels
 /// keep count and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a wide one each has a
 /// sixty-fourth for certain, of a narrow one all. Loops that the compiler unrolls are free, so that counting errs on the safe side.
-pub fn counting_source(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
+///
+/// What a branch finds in a uniform buffer that renderer takes for a constant of the kernel, which it then compiles anew for each value: half a
+/// minute for each scene and each sample. It reads them as storage buffers instead.
+pub fn software_source(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
     let mut text = String::new();
     for line in kernel_text(entry, specialisation, lanes).lines() {
         let trimmed = line.trim_start();
@@ -116,7 +131,7 @@ pub fn counting_source(entry: Entry, specialisation: &Specialisation, lanes: u32
             let _ = writeln!(text, "{line}");
         }
     }
-    text
+    text.replace("var<uniform>", "var<storage, read>")
 }
 
 /// The whole text of a kernel.
@@ -207,14 +222,15 @@ pub(super) struct Kernels {
 }
 
 impl Kernels {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(device: &wgpu::Device, software: bool) -> Self {
+        let constants = |binding| if software { storage(binding, true) } else { uniform(binding) };
         let arrays = SCENE_BINDINGS.len() as u32;
         let mut scene_entries: Vec<_> = (0..arrays).map(|binding| storage(binding, true)).collect();
-        scene_entries.push(uniform(arrays));
+        scene_entries.push(constants(arrays));
         Self {
             scene_layout: layout(device, "scene", &scene_entries),
             entry_layouts: Entry::ALL.map(|entry| {
-                let mut entries = vec![uniform(0)];
+                let mut entries = vec![constants(0)];
                 entries.extend(
                     (1..).zip(entry.storage_is_read_only()).map(|(binding, &only)| storage(binding, only)),
                 );
@@ -230,13 +246,17 @@ impl Kernels {
 }
 
 impl Gpu {
-    /// The pipeline of an entry file, compiled at its first use.
+    /// The pipeline of an entry file for a scene, compiled at its first use.
     pub(super) fn pipeline(
         &self,
         entry: Entry,
-        specialisation: Specialisation,
+        scene: &GpuScene<'_>,
         lanes: u32,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let mut specialisation = Specialisation::of(scene.scene.header);
+        if self.is_software() {
+            specialisation = specialisation.widened();
+        }
         let key = (entry, specialisation, lanes);
         let entry_point = entry.name();
         let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
@@ -244,7 +264,7 @@ impl Gpu {
             return Ok(pipeline.clone());
         }
         let text = if self.is_software() {
-            counting_source(entry, &specialisation, lanes)
+            software_source(entry, &specialisation, lanes)
         } else {
             source(entry, &specialisation)
         };

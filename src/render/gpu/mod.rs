@@ -12,7 +12,7 @@ mod rays;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
-pub use kernels::{Entry, FUNCTION_FILES, Specialisation, counting_source, source};
+pub use kernels::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
 
 /// Why the GPU cannot be used, or could not finish.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

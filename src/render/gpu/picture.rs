@@ -3,7 +3,7 @@
 //! A tile is a run of pixels, short enough that a dispatch never comes near a driver's time limit. Its samples are summed on the
 //! device in the CPU tracer's order; then the tile is read back. Memory on the device does not depend on the picture's size.
 
-use super::kernels::{MOST_ELEMENTS, NARROW, Specialisation, WIDE};
+use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
 use crate::render::cpu::shade;
@@ -133,11 +133,10 @@ impl Gpu {
         lanes: u32,
         step: &mut dyn FnMut(),
     ) -> Result<Tile, GpuError> {
-        let specialisation = Specialisation::of(scene.scene.header);
         let count = parameters.pixel_count;
         let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = self.pipeline(Entry::Render, specialisation, lanes)?;
+        let pipeline = self.pipeline(Entry::Render, scene, lanes)?;
         // The last one tells what the pixels' centres show.
         for sample in 0..=parameters.samples {
             parameters.sample_index = sample;

@@ -4,7 +4,7 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, Specialisation, WIDE};
+use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::NO_NET;
 use crate::render::cpu::hit::finish_hit;
@@ -170,7 +170,7 @@ impl Gpu {
         let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
         let counts = self.create_output("probe counts", 4 * rays.len() as u64);
-        let pipeline = self.pipeline(Entry::Probe, Specialisation::of(scene.scene.header), lanes)?;
+        let pipeline = self.pipeline(Entry::Probe, scene, lanes)?;
         let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
         self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
