@@ -27,7 +27,17 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, name: String) {
         let reason = "everything is blanked; shown all the same".into();
         reader.report(Severity::Warning, Problem { entity: 0, kind: 0, reason });
     } else {
-        catalog.shapes.iter().for_each(|&shape| hide(reader, shape));
+        let blanked = |reader: &Reader, entity: u32| reader.entry(entity).blanked;
+        let groups: Vec<u32> =
+            catalog.groups.iter().copied().filter(|&group| blanked(reader, group)).collect();
+        let in_blanked = reached(reader, &groups);
+        for &shape in &catalog.shapes {
+            if blanked(reader, shape) {
+                hide(reader, shape, "blanked");
+            } else if in_blanked.contains(&shape) {
+                hide(reader, shape, "its group is blanked");
+            }
+        }
     }
     let mut tree = Tree {
         parts: HashMap::new(),
@@ -107,11 +117,8 @@ fn is_all_blanked(reader: &Reader, catalog: &Catalog) -> bool {
 }
 
 /// Takes out what is blanked: a face, or all faces of a shell or a solid.
-fn hide(reader: &mut Reader, shape: u32) {
+fn hide(reader: &mut Reader, shape: u32, reason: &str) {
     let entry = reader.entry(shape);
-    if !entry.blanked {
-        return;
-    }
     let shells: Vec<u32> = match entry.kind {
         514 => vec![shape],
         186 => {
@@ -119,11 +126,11 @@ fn hide(reader: &mut Reader, shape: u32) {
             shells.into_iter().map(|(shell, _)| shell).collect()
         }
         kind if PLACING.contains(&kind) || PRIMITIVES.contains(&kind) => {
-            reader.report(Severity::Hidden, Problem { entity: shape, kind, reason: "blanked".into() });
+            reader.report(Severity::Hidden, Problem { entity: shape, kind, reason: reason.into() });
             return;
         }
         _ => {
-            reader.hide_face(shape, "blanked");
+            reader.hide_face(shape, reason);
             return;
         }
     };
