@@ -10,5 +10,5 @@ mod ray;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
-pub use options::{Background, RenderOptions};
+pub use options::{Background, Exactness, RenderOptions};
 pub use ray::{Hit, Ray};
