@@ -213,6 +213,7 @@ pub(super) struct Bench {
 #[derive(Debug, Subcommand)]
 pub(super) enum BenchCommand {
     Stages(BenchStages),
+    Accuracy(BenchAccuracy),
 }
 
 /// Times of each stage from a file to a baked scene: the least of all repetitions.
@@ -232,6 +233,32 @@ pub(super) struct BenchStages {
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(super) repeat: u16,
     /// One JSON object a line, times in seconds.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Hits of the CPU tracer against an f64 reference that subdivides every net: missed and made-up hits, errors, time per ray.
+///
+/// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size would change its hits;
+/// only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
+/// compares with the model's f64 numbers, so that the baking counts too. Errors of distance are relative to the size of the net or face piece
+/// that was hit; angles are in radians.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench accuracy part.step
+  trimray bench accuracy *.step --rays 1000000 --json > accuracy.jsonl")]
+pub(super) struct BenchAccuracy {
+    /// STEP or IGES files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// How many rays.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// One JSON object a line.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -1,15 +1,17 @@
 //! `trimray bench`: measurements.
 
-use super::args::{Bench, BenchCommand, BenchStages};
+use super::args::{Bench, BenchCommand, BenchStages, General};
 use super::bake::size_text;
+use super::bench_accuracy;
 use crate::bench::{Stages, measure_stages};
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-pub(super) fn run(command: &Bench) -> anyhow::Result<()> {
+pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
     match &command.command {
         BenchCommand::Stages(command) => stages(command),
+        BenchCommand::Accuracy(command) => bench_accuracy::run(command, general),
     }
 }
 

@@ -6,6 +6,7 @@
 mod args;
 mod bake;
 mod bench;
+mod bench_accuracy;
 mod device;
 mod info;
 mod load;
@@ -57,7 +58,7 @@ pub fn main() -> ExitCode {
         Command::Bake(command) => bake::run(command, &arguments.general),
         Command::Info(command) => info::run(command, &arguments.general),
         Command::Probe(command) => probe::run(command, &arguments.general),
-        Command::Bench(command) => bench::run(command),
+        Command::Bench(command) => bench::run(command, &arguments.general),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

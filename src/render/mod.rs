@@ -7,6 +7,7 @@ mod framing;
 pub mod gpu;
 mod options;
 mod ray;
+pub mod reference;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;

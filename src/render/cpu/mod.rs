@@ -8,11 +8,11 @@
     reason = "negated on purpose: a comparison with what is not a number takes the safe way"
 )]
 
-mod analytic;
-mod bernstein;
+pub(super) mod analytic;
+pub(super) mod bernstein;
 pub(super) mod bvh;
 pub(super) mod camera;
-mod frames;
+pub(super) mod frames;
 pub(super) mod hit;
 pub(super) mod light;
 mod net;
@@ -22,7 +22,7 @@ mod render;
 pub(super) mod shade;
 mod torus;
 pub(super) mod trace;
-mod trim;
+pub(super) mod trim;
 pub(super) mod vector;
 
 #[cfg(test)]

@@ -1,0 +1,179 @@
+//! The hits of the tracers against those of the f64 reference: what is missed, what is made up, how far the rest is off, and what a ray costs.
+//!
+//! Two references: one traces exactly the baked f32 numbers, so that what differs is the tracer's own error; the other traces the model's
+//! f64 numbers, which shows the error of baking too. Only rays that the reference is certain of count; the others are told apart.
+
+use super::rays::chord;
+use crate::render::cpu::{Precision, probe};
+use crate::render::reference::{ExpectedHit, Reference, TOLERANCE};
+use crate::render::{Hit, Ray};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Rays that are traced at once.
+const BATCH: u64 = 1 << 14;
+
+/// A hit answers an expected one of the same face within this many tolerances, divided by |cos| of the angle to the normal.
+const SAME_HIT: f64 = 64.0;
+
+/// Errors of many hits.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Quantiles {
+    /// Half are below.
+    pub median: f64,
+    /// 99 of 100 are below.
+    pub p99: f64,
+    /// 999 of 1000 are below.
+    pub p999: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+/// What the comparison found.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Accuracy {
+    /// Rays traced.
+    pub rays: u64,
+    /// Those of which the reference is certain.
+    pub certain: u64,
+    /// Hits of those by the reference.
+    pub hits: u64,
+    /// Of these, those that the tracer does not have.
+    pub missed: u64,
+    /// Hits that the tracer has and the reference has not.
+    pub phantom: u64,
+    /// |difference of distances| over the size of the net or of the carrier's piece.
+    pub distance: Quantiles,
+    /// Angle between the normals, radians.
+    pub normal: Quantiles,
+    /// Of a ray with all its hits, on one thread's share of time, seconds.
+    pub seconds: f64,
+}
+
+/// Traces `count` chords of the scene's sphere, from number `first` on, and compares them with the reference.
+pub fn measure_accuracy(
+    scene: &Scene<'_>,
+    reference: &Reference<'_>,
+    precision: Precision,
+    first: u64,
+    count: u64,
+) -> Accuracy {
+    let mut result = Accuracy { rays: count, ..Accuracy::default() };
+    let (mut distances, mut angles) = (Vec::new(), Vec::new());
+    let mut elapsed = 0.0;
+    for start in (first..first + count).step_by(BATCH as usize) {
+        let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(|i| chord(scene, i)).collect();
+        let clock = Instant::now();
+        let found = probe(scene, &rays, precision, false);
+        elapsed += clock.elapsed().as_secs_f64();
+        let compared: Vec<Option<Comparison>> = rays
+            .par_iter()
+            .zip(&found)
+            .map(|(ray, found)| reference.trace(ray).map(|expected| compare(&expected, found)))
+            .collect();
+        for comparison in compared.into_iter().flatten() {
+            result.certain += 1;
+            result.hits += comparison.errors.len() as u64 + comparison.missed;
+            result.missed += comparison.missed;
+            result.phantom += comparison.phantom;
+            distances.extend(comparison.errors.iter().map(|(distance, _)| *distance));
+            angles.extend(comparison.errors.iter().map(|(_, angle)| *angle));
+        }
+    }
+    result.distance = quantiles(distances);
+    result.normal = quantiles(angles);
+    result.seconds = elapsed * rayon::current_num_threads() as f64 / count.max(1) as f64;
+    result
+}
+
+/// One ray's.
+#[derive(Debug, Default)]
+struct Comparison {
+    /// Of the hits that both have: distance, angle.
+    errors: Vec<(f64, f64)>,
+    missed: u64,
+    phantom: u64,
+}
+
+fn compare(expected: &[ExpectedHit], found: &[Hit]) -> Comparison {
+    let mut result = Comparison::default();
+    let mut left: Vec<&Hit> = found.iter().collect();
+    for ExpectedHit { hit, size, facing } in expected {
+        let limit = SAME_HIT * TOLERANCE * size / facing;
+        let apart = |other: &Hit| (other.t - hit.t).abs();
+        let nearest = (0..left.len())
+            .filter(|&i| left[i].face == hit.face && left[i].instance == hit.instance)
+            .min_by(|&a, &b| apart(left[a]).total_cmp(&apart(left[b])));
+        match nearest.filter(|&i| apart(left[i]) <= limit) {
+            Some(i) => {
+                let other = left.swap_remove(i);
+                result.errors.push((apart(other) / size, angle(other, hit)));
+            }
+            None => result.missed += 1,
+        }
+    }
+    result.phantom = left.len() as u64;
+    result
+}
+
+fn angle(a: &Hit, b: &Hit) -> f64 {
+    a.normal.cross(b.normal).length().atan2(a.normal.dot(b.normal))
+}
+
+fn quantiles(mut values: Vec<f64>) -> Quantiles {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (values.len() as f64 * share) as usize;
+        values.get(index.min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
+    };
+    Quantiles { median: at(0.5), p99: at(0.99), p999: at(0.999), max: at(1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{BakeOptions, bake};
+    use crate::render::reference::widened;
+    use crate::scene::{SceneBuffers, primitive};
+
+    fn fixture(name: &str) -> SceneBuffers {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name);
+        let model = crate::import::import(&path.join("model.step")).expect("a fixture");
+        bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {})
+    }
+
+    fn measured(scene: &SceneBuffers, truth: &SceneBuffers) -> Accuracy {
+        measure_accuracy(&scene.scene(), &Reference::new(truth.scene()), Precision::F32, 0, 4000)
+    }
+
+    #[test]
+    fn tracers_agree_with_the_reference() {
+        for name in ["knob", "flask", "chain"] {
+            let scene = fixture(name);
+            let found = measured(&scene, &widened(&scene.scene()));
+            assert!(found.certain >= 3990 && found.hits > 500, "{name}: {found:?}");
+            assert_eq!((found.missed, found.phantom), (0, 0), "{name}: {found:?}");
+            assert!(found.distance.median < 1e-7 && found.distance.p99 < 2e-6, "{name}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn wrong_tracers_are_noticed() {
+        let truth = fixture("knob");
+        let mut bare = truth.clone();
+        // A leaf whose slab is nowhere: its hits are missed.
+        let leaf = bare.primitives.iter().position(|word| word & primitive::NET_LEAF_BIT != 0);
+        let leaf = bare.primitives[leaf.expect("a net")] & !primitive::NET_LEAF_BIT;
+        for leaf in &mut bare.net_leaves[leaf as usize..][..8] {
+            leaf.center = leaf.center.map(|x| x + 1e6);
+        }
+        let found = measured(&bare, &truth);
+        assert!(found.missed > 0, "{found:?}");
+        // A net that reaches out: hits where none should be, and others that are off.
+        let mut moved = truth.clone();
+        moved.net_points.iter_mut().for_each(|p| p[0] += 0.01 * p[3]);
+        let found = measured(&moved, &truth);
+        assert!(found.missed > 0 && found.phantom > 0, "{found:?}");
+    }
+}

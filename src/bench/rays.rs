@@ -1,0 +1,33 @@
+//! Rays to measure with.
+
+use crate::render::Ray;
+use crate::scene::Scene;
+use glam::DVec3;
+
+/// Chord `index` of the scene's bounding sphere between two uniform points of it (Halton's sequence in bases 2, 3, 5 and 7, as Sloup and
+/// Havran take them), starting outside the sphere.
+pub fn chord(scene: &Scene<'_>, index: u64) -> Ray {
+    let anchor = DVec3::from_array(scene.header.world_anchor);
+    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    let on_sphere = |a: f64, b: f64| {
+        let z = 1.0 - 2.0 * a;
+        let (sin, cos) = (b * std::f64::consts::TAU).sin_cos();
+        let across = (1.0 - z * z).max(0.0).sqrt();
+        DVec3::new(across * cos, across * sin, z)
+    };
+    let from = on_sphere(halton(index + 1, 2), halton(index + 1, 3));
+    let to = on_sphere(halton(index + 1, 5), halton(index + 1, 7));
+    let direction = (to - from).try_normalize().unwrap_or(DVec3::Z);
+    Ray { origin: anchor + from * radius - direction * radius, direction }
+}
+
+/// Element `index` of Halton's sequence in a base.
+fn halton(mut index: u64, base: u64) -> f64 {
+    let (mut value, mut scale) = (0.0, 1.0);
+    while index > 0 {
+        scale /= base as f64;
+        value += scale * (index % base) as f64;
+        index /= base;
+    }
+    value
+}
