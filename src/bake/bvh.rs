@@ -1,21 +1,16 @@
-//! 8-wide compressed BVHs, built by obvhs: PLOC, parallel reinsertion, then the optimal 8-wide collapse of Ylitie, Karras and Laine (2017).
+//! 8-wide compressed BVHs: a binary tree from the top down, then obvhs's parallel reinsertion and its optimal 8-wide collapse of Ylitie, Karras and
+//! Laine (2017).
 //!
 //! One primitive per leaf slot: testing a trimmed surface costs far more than one more box. obvhs is deterministic whatever the thread count.
-//! It asks for finite, non-empty boxes; `narrow::outward` makes no others.
+//! It asks for non-empty boxes whose areas do not overflow; `narrow::outward` makes no others.
 
+use super::binary_tree;
 use crate::scene::{BvhNode, MAX_TREE_DEPTH};
-use glam::Vec3A;
-use obvhs::aabb::Aabb as Bounds;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::{Boundable, BvhBuildParams};
-use std::time::Duration;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
 /// Lower and upper corner, finite.
 pub(super) type NarrowBox = [[f32; 3]; 2];
-
-/// Boxes reach no farther than this, millimetres: costs are areas times numbers of boxes in f32, and obvhs cannot go on once they overflow.
-/// 1e28 times 2³¹ boxes stays below the greatest f32; a hundred million kilometres are enough for any model.
-pub(super) const FARTHEST: f32 = 1e14;
 
 /// A tree over boxes.
 #[derive(Debug, Default)]
@@ -26,35 +21,26 @@ pub(super) struct Tree {
     pub order: Vec<u32>,
 }
 
-struct Item(NarrowBox);
-
-impl Boundable for Item {
-    fn aabb(&self) -> Bounds {
-        Bounds::new(Vec3A::from_array(self.0[0]), Vec3A::from_array(self.0[1]))
-    }
-}
+/// Share of the nodes that the first round of reinsertion moves; sixteen rounds of fewer and fewer follow.
+const REINSERTED: f32 = 0.05;
 
 /// The tree over `boxes`; empty without boxes.
 ///
-/// Fails where the tree is deeper than the kernels' stacks, which takes boxes nested at many scales, or where boxes are too large.
+/// Fails where the tree is deeper than the kernels' stacks, which a balanced one would have to be.
 pub(super) fn build(boxes: &[NarrowBox]) -> Result<Tree, &'static str> {
     if boxes.is_empty() {
         return Ok(Tree::default());
     }
-    if boxes.iter().flatten().flatten().any(|x| x.abs() > FARTHEST) {
-        return Err("its boxes are too large for a BVH");
-    }
-    let items: Vec<Item> = boxes.iter().map(|&corners| Item(corners)).collect();
-    let presets = [BvhBuildParams::medium_build(), BvhBuildParams::fastest_build()];
-    for preset in presets {
-        let parameters = BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..preset };
-        let built = build_cwbvh(&items, parameters, &mut Duration::default());
+    for (balanced, reinserted) in [(false, REINSERTED), (false, 0.0), (true, 0.0)] {
+        let mut binary = binary_tree::build(boxes, balanced);
+        ReinsertionOptimizer::default().run(&mut binary, reinserted, None);
+        let built = bvh2_to_cwbvh(&binary, 1, true, false);
         let nodes: Vec<BvhNode> = built.nodes.iter().map(|node| bytemuck::cast(*node)).collect();
         if depth(&nodes) <= MAX_TREE_DEPTH {
             return Ok(Tree { nodes, order: built.primitive_indices });
         }
     }
-    Err("the boxes of its faces nest too deeply for a BVH")
+    Err("there are too many boxes in it for a BVH")
 }
 
 /// Levels of the tree.
@@ -70,6 +56,7 @@ fn depth(nodes: &[BvhNode]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::narrow::FARTHEST;
     use super::*;
 
     fn leaves_of(tree: &Tree) -> Vec<u32> {
@@ -106,8 +93,6 @@ mod tests {
             let tree = build(&boxes(count)).expect("not deep");
             assert_eq!(leaves_of(&tree), (0..count as u32).collect::<Vec<_>>());
         }
-        let same = vec![[[1.0; 3], [2.0; 3]]; 77];
-        assert_eq!(leaves_of(&build(&same).expect("not deep")).len(), 77);
         let point = vec![[[1.0; 3], [1.0; 3]]; 9];
         assert_eq!(leaves_of(&build(&point).expect("not deep")).len(), 9);
     }
@@ -135,18 +120,29 @@ mod tests {
     }
 
     #[test]
-    fn boxes_too_large_are_refused() {
-        let scaled = |by: f32| boxes(50_000).iter().map(|b| b.map(|p| p.map(|x| x * by))).collect::<Vec<_>>();
-        assert!(build(&scaled(1e16)).is_err());
-        assert!(build(&scaled(FARTHEST / 110.0)).is_ok());
+    fn the_largest_boxes_are_no_trouble() {
+        let scaled = boxes(50_000)
+            .iter()
+            .map(|b| b.map(|p| p.map(|x| x * (FARTHEST as f32 / 110.0))))
+            .collect::<Vec<_>>();
+        assert_eq!(leaves_of(&build(&scaled).expect("not deep")).len(), 50_000);
     }
 
     #[test]
-    fn boxes_at_many_scales_do_not_fail_silently() {
-        let nested: Vec<NarrowBox> = (0..120).map(|i| [[0.0; 3], [2f32.powi(i - 60); 3]]).collect();
-        match build(&nested) {
-            Ok(tree) => assert_eq!(leaves_of(&tree).len(), 120),
-            Err(reason) => assert!(!reason.is_empty()),
+    fn rows_and_nests_and_copies_are_trees_too() {
+        type Row = fn(usize) -> NarrowBox;
+        let rows: [(&str, Row); 5] = [
+            ("nested at many scales", |i| [[0.0; 3], [2f32.powi(i as i32 % 80 - 40); 3]]),
+            ("concentric", |i| [[-1.0 - i as f32; 3], [1.0 + i as f32; 3]]),
+            ("copies", |_| [[1.0; 3], [2.0; 3]]),
+            ("in a row", |i| [[i as f32, 0.0, 0.0], [i as f32 + 1.0, 1.0, 1.0]]),
+            ("from one point", |i| [[0.0; 3], [1.0 + i as f32, 1.0, 0.0]]),
+        ];
+        for (name, row) in rows {
+            // Enough of them that a chain would be refused, or take minutes.
+            let boxes: Vec<NarrowBox> = (0..40_000).map(row).collect();
+            let tree = build(&boxes).unwrap_or_else(|reason| panic!("{name}: {reason}"));
+            assert_eq!(leaves_of(&tree), (0..40_000).collect::<Vec<_>>(), "{name}");
         }
     }
 }

@@ -5,6 +5,7 @@
 //! Faces and placements that cannot be baked are reported, never lost silently.
 
 mod assemble;
+mod binary_tree;
 mod budget;
 mod bvh;
 mod faces;
@@ -209,7 +210,7 @@ fn spaces(
     let bounds_of = |occurrence: &Occurrence| {
         let slot = parts.binary_search(&occurrence.part).ok()?;
         let world = part_boxes[slot].transformed(occurrence.world_from_part);
-        (!world.is_empty() && world.is_finite()).then_some(world)
+        (!world.is_empty() && narrow::is_within_reach(&world)).then_some(world)
     };
     let world = occurrences.iter().filter_map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
     let grid_step = narrow::grid_step(world.diagonal());
@@ -285,11 +286,15 @@ fn gather(
         if let Err(reason) = result {
             let mut finding =
                 Diagnostic::new(Severity::Dropped, scene.metadata.parts[index].entity, "PRODUCT", reason);
-            finding.faces = scene.faces.iter().filter(|face| face.part as usize == index).count() as u32;
+            finding.faces = faces_of(scene, index as u32);
             findings.push(finding);
         }
     }
     slots
+}
+
+fn faces_of(scene: &SceneBuffers, part: u32) -> u32 {
+    scene.faces.iter().filter(|face| face.part == part).count() as u32
 }
 
 /// Places the occurrences and puts their BVH in front of those of the parts.
@@ -306,6 +311,7 @@ fn add_instances(
 ) {
     let anchor = DVec3::from_array(scene.header.world_anchor);
     let mut boxes = Vec::new();
+    let mut lost: Vec<(u32, Diagnostic)> = Vec::new();
     for occurrence in occurrences {
         let Ok(slot) = parts.binary_search(&occurrence.part) else { continue };
         let Some((part, bounds)) = slots[slot] else { continue };
@@ -322,13 +328,26 @@ fn add_instances(
             Err(reason) => {
                 let entity = model.parts[occurrence.part].entity;
                 let reason = format!("{}: {reason}", occurrence.path);
-                let finding = Diagnostic::new(Severity::Dropped, entity, "PRODUCT", reason);
-                findings.push(finding);
+                lost.push((part, Diagnostic::new(Severity::Dropped, entity, "PRODUCT", reason)));
             }
         }
     }
+    let mut placed = vec![false; scene.parts.len()];
+    scene.instances.iter().for_each(|instance| placed[instance.part as usize] = true);
+    for (part, mut finding) in lost {
+        // Where no occurrence is left the part's faces are lost with the first one that is named.
+        if !std::mem::replace(&mut placed[part as usize], true) {
+            finding.faces = faces_of(scene, part);
+        }
+        findings.push(finding);
+    }
     let top = bvh::build(&boxes).unwrap_or_else(|reason| {
-        findings.push(Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason));
+        let mut finding = Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason);
+        finding.faces = scene.faces.len() as u32;
+        findings.push(finding);
+        scene.instances.clear();
+        scene.instances_f64.clear();
+        scene.metadata.instances.clear();
         bvh::Tree::default()
     });
     scene.header.node_count = top.nodes.len() as u32;

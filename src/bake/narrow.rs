@@ -79,14 +79,22 @@ pub(super) fn above(x: f64) -> f32 {
     if f64::from(near) < x { near.next_up() } else { near }
 }
 
-/// Lower and upper corner of a box that holds `bounds` grown by `margin`; nothing where that is empty or not finite in f32.
+/// Coordinates reach no farther than this, millimetres: a BVH's costs are areas times numbers of boxes in f32, and obvhs cannot go on once they
+/// overflow. 1e28 times 2³¹ boxes stays below the greatest f32; a hundred million kilometres are enough for any model.
+pub(super) const FARTHEST: f64 = 1e14;
+
+/// Whether all of a box is within [`FARTHEST`].
+pub(super) fn is_within_reach(bounds: &Aabb) -> bool {
+    bounds.min.abs().max(bounds.max.abs()).max_element() <= FARTHEST
+}
+
+/// Lower and upper corner of a box that holds `bounds` grown by `margin`; nothing where that is empty or beyond [`FARTHEST`].
 pub(super) fn outward(bounds: Aabb, margin: f64) -> Option<[[f32; 3]; 2]> {
     if bounds.is_empty() {
         return None;
     }
     let grown = bounds.grown(margin);
-    let corners = [grown.min.to_array().map(below), grown.max.to_array().map(above)];
-    corners.iter().flatten().all(|x| x.is_finite()).then_some(corners)
+    is_within_reach(&grown).then(|| [grown.min.to_array().map(below), grown.max.to_array().map(above)])
 }
 
 /// The least multiple of 1/64 in 0..=254 that is not below `bound`, in units of 1/64; 255 where there is none.

@@ -1,6 +1,6 @@
 //! The first half of a face's bake: its trim, checked and normalised, and its box. After it the scene's size is known.
 
-use super::bvh;
+use super::narrow;
 use super::region::Region;
 use crate::brep::{Face, Id, Model};
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox, Surface};
@@ -55,8 +55,8 @@ pub(super) fn outline(model: &Model, id: Id<Face>, options: &TrimOptions) -> Res
     if bounds.is_empty() || !bounds.is_finite() {
         return Err("its box is not finite".into());
     }
-    if bounds.min.abs().max(bounds.max.abs()).max_element() > f64::from(bvh::FARTHEST) {
-        return Err(format!("it reaches farther than {:e} mm", bvh::FARTHEST));
+    if !narrow::is_within_reach(&bounds) {
+        return Err(format!("it reaches farther than {:e} mm", narrow::FARTHEST));
     }
     let FaceTrim { window, edges, size, repairs, losses, .. } = trim;
     Ok(Outline { window, region, bounds, edges, size, repairs, losses })

@@ -1,9 +1,11 @@
 //! Measurements of what the other rooms do; nothing else depends on them.
 
 mod accuracy;
+mod leaks;
 mod rays;
 mod stages;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
+pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 pub use rays::chord;
 pub use stages::{Seconds, Stages, measure_stages};

@@ -111,6 +111,8 @@ impl<'a> Summary<'a> {
                 *count += 1;
             }
         }
+        let is_shown = |part: usize| instances_of[part] > 0 && scene.parts[part].node_count > 0;
+        let imported = (0..scene.parts.len()).filter(|&part| is_shown(part)).map(|part| faces_of[part]).sum();
         let occurrences =
             faces_of.iter().zip(&instances_of).map(|(faces, instances)| faces * instances).sum();
         let parts =
@@ -133,7 +135,7 @@ impl<'a> Summary<'a> {
             solids: metadata.solids,
             faces: FaceCounts {
                 declared: metadata.declared_faces,
-                imported: scene.faces.len(),
+                imported,
                 skipped: hidden + dropped,
                 hidden,
                 dropped,

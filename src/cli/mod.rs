@@ -7,6 +7,7 @@ mod args;
 mod bake;
 mod bench;
 mod bench_accuracy;
+mod bench_leaks;
 mod device;
 mod info;
 mod load;

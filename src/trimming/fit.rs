@@ -22,7 +22,7 @@ use crate::geometry::{Curve, SurfaceDerivatives};
 use glam::{DVec2, DVec3};
 
 /// Spans of one image; beyond it the best fit so far is taken.
-const MAX_SPANS: usize = 4096;
+const MAX_SPANS: usize = 1024;
 
 /// Bisections of one marching step.
 const MAX_DEPTH: u32 = 22;

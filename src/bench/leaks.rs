@@ -1,0 +1,126 @@
+//! Rays that see an odd number of walls of closed solids: something leaks, or is counted twice.
+//!
+//! Uniform rays are chords of the scene's bounding sphere; aimed rays pass points of edges at offsets of 10⁻⁹ to 10⁻³ of the scene's size,
+//! uniform in their logarithm, in random directions. Both start outside.
+
+use super::rays::{chord, on_sphere, unit};
+use crate::brep::{BodyKind, Edge, Id, Model, TrimLoop, occurrences};
+use crate::render::Ray;
+use crate::render::cpu::{Precision, probe};
+use crate::scene::Scene;
+use glam::{DAffine3, DVec3};
+
+/// Rays that are traced at once.
+const BATCH: u64 = 1 << 14;
+
+/// Exponents of ten of the least and the greatest offset of an aimed ray, in sizes of the scene.
+const OFFSETS: [f64; 2] = [-9.0, -3.0];
+
+/// Points of each edge that rays are aimed at.
+const POINTS_OF_EDGE: usize = 64;
+
+/// How many rays were odd.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Leaks {
+    /// Rays traced.
+    pub rays: u64,
+    /// Those with an odd number of hits.
+    pub odd: u64,
+}
+
+impl Leaks {
+    /// With a confidence of 95 % no more than this share of all such rays is odd (Wilson's upper bound; three by the number where none was).
+    pub fn bound(self) -> f64 {
+        let (n, p) = (self.rays.max(1) as f64, self.odd as f64 / self.rays.max(1) as f64);
+        if self.odd == 0 {
+            return 3.0 / n;
+        }
+        let z = 1.96;
+        let spread = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+        (p + z * z / (2.0 * n) + spread) / (1.0 + z * z / n)
+    }
+}
+
+/// Whether the model is made of solids alone, none of whose faces is missing: then all rays from outside have an even number of hits.
+pub fn is_closed(model: &Model) -> bool {
+    let is_whole = model.declared_faces == model.faces.len();
+    let mut bodies = 0;
+    is_whole
+        && occurrences(model).0.iter().all(|occurrence| {
+            let part = &model.parts[occurrence.part];
+            bodies += part.bodies.len();
+            part.bodies.iter().all(|body| body.kind == BodyKind::Solid)
+        })
+        && bodies > 0
+}
+
+/// Points on the edges of every occurrence of a part, world space.
+pub fn edge_points(model: &Model) -> Vec<DVec3> {
+    let mut edges_of_part = std::collections::HashMap::new();
+    let mut points = Vec::new();
+    for occurrence in occurrences(model).0 {
+        let edges: &Vec<_> = edges_of_part.entry(occurrence.part).or_insert_with(|| {
+            let bodies = model.parts[occurrence.part].bodies.iter();
+            let loops = bodies.flat_map(|body| &body.faces).flat_map(|&face| &model.faces[face].loops);
+            let mut edges: Vec<Id<Edge>> = Vec::new();
+            for trim_loop in loops {
+                if let TrimLoop::Edges(coedges) = trim_loop {
+                    edges.extend(coedges.iter().map(|coedge| coedge.edge));
+                }
+            }
+            edges.sort_unstable_by_key(|edge| edge.index());
+            edges.dedup();
+            edges
+        });
+        let place = |world: &DAffine3, point: DVec3| world.transform_point3(point);
+        for &edge in edges {
+            let edge = &model.edges[edge];
+            for i in 0..=POINTS_OF_EDGE {
+                let share = i as f64 / POINTS_OF_EDGE as f64;
+                let t = edge.range[0] + (edge.range[1] - edge.range[0]) * share;
+                points.push(place(&occurrence.world_from_part, edge.curve.point(t)));
+            }
+        }
+    }
+    points
+}
+
+/// Odd rays among `count` chords, from number `first` on.
+pub fn count_uniform_leaks(scene: &Scene<'_>, precision: Precision, first: u64, count: u64) -> Leaks {
+    count_odd(scene, precision, first, count, &|index| chord(scene, index))
+}
+
+/// Odd rays among `count` rays that are aimed at `points`, of which there is at least one.
+pub fn count_aimed_leaks(
+    scene: &Scene<'_>,
+    precision: Precision,
+    points: &[DVec3],
+    first: u64,
+    count: u64,
+) -> Leaks {
+    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    count_odd(scene, precision, first, count, &|index| {
+        let number = |stream: u64| unit(index, stream);
+        let target = points[(number(0) * points.len() as f64) as usize % points.len()];
+        let direction = on_sphere(number(1), number(2));
+        let offset = 2.0 * radius * 10.0_f64.powf(OFFSETS[0] + (OFFSETS[1] - OFFSETS[0]) * number(3));
+        let target = target + on_sphere(number(4), number(5)) * offset;
+        Ray { origin: target - direction * (4.0 * radius), direction }
+    })
+}
+
+fn count_odd(
+    scene: &Scene<'_>,
+    precision: Precision,
+    first: u64,
+    count: u64,
+    ray: &dyn Fn(u64) -> Ray,
+) -> Leaks {
+    let mut leaks = Leaks { rays: count, odd: 0 };
+    for start in (first..first + count).step_by(BATCH as usize) {
+        let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
+        let found = probe(scene, &rays, precision, false);
+        leaks.odd += found.iter().filter(|hits| hits.len() % 2 == 1).count() as u64;
+    }
+    leaks
+}

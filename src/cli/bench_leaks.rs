@@ -1,0 +1,95 @@
+//! `trimray bench leaks`: odd rays of closed solids.
+
+use super::args::{BenchLeaks, PrecisionChoice};
+use crate::bake::{BakeOptions, bake};
+use crate::bench::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
+use crate::import::import;
+use crate::render::cpu::Precision;
+use serde::Serialize;
+use std::io::Write;
+
+/// A line of JSON. Names of fields stay.
+#[derive(Serialize)]
+struct Line<'a> {
+    file: std::borrow::Cow<'a, str>,
+    closed: bool,
+    /// Millimetres.
+    largest_gap: f64,
+    precision: &'static str,
+    uniform: Count,
+    aimed: Count,
+}
+
+/// See [`Leaks`].
+#[derive(Serialize)]
+struct Count {
+    rays: u64,
+    odd: u64,
+    bound: f64,
+}
+
+impl From<Leaks> for Count {
+    fn from(leaks: Leaks) -> Self {
+        Self { rays: leaks.rays, odd: leaks.odd, bound: leaks.bound() }
+    }
+}
+
+pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    if !command.json {
+        writeln!(
+            out,
+            "{:<4}{:>7}{:>10}{:>12}{:>8}{:>10}{:>12}{:>8}{:>10}  file",
+            "", "closed", "gap, mm", "uniform", "odd", "rate <", "aimed", "odd", "rate <"
+        )?;
+    }
+    let choices =
+        [("f32", PrecisionChoice::F32, Precision::F32), ("f64", PrecisionChoice::F64, Precision::F64)];
+    for path in &command.inputs {
+        let model = import(path)?;
+        let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
+        let scene = buffers.scene();
+        let points = edge_points(&model);
+        let closed = is_closed(&model);
+        let gap = scene.metadata.largest_gap.map_or(0.0, |gap| gap.distance);
+        let half = command.rays / 2;
+        for (name, choice, precision) in choices {
+            if command.precision.is_some_and(|wanted| wanted != choice) {
+                continue;
+            }
+            let uniform = count_uniform_leaks(&scene, precision, command.first, command.rays - half);
+            let aimed = if points.is_empty() {
+                Leaks::default()
+            } else {
+                count_aimed_leaks(&scene, precision, &points, command.first, half)
+            };
+            if command.json {
+                let line = Line {
+                    file: path.to_string_lossy(),
+                    closed,
+                    largest_gap: gap,
+                    precision: name,
+                    uniform: uniform.into(),
+                    aimed: aimed.into(),
+                };
+                serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
+                writeln!(out)?;
+            } else {
+                writeln!(
+                    out,
+                    "{name:<4}{:>7}{gap:>10.1e}{:>12}{:>8}{:>10.1e}{:>12}{:>8}{:>10.1e}  {}",
+                    if closed { "yes" } else { "no" },
+                    uniform.rays,
+                    uniform.odd,
+                    uniform.bound(),
+                    aimed.rays,
+                    aimed.odd,
+                    aimed.bound(),
+                    path.display()
+                )?;
+            }
+            out.flush()?;
+        }
+    }
+    Ok(())
+}
