@@ -55,10 +55,12 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     if !general.quiet {
         report::warn(path, scene.metadata, general.verbose > 0);
     }
-    let dropped = scene.metadata.missing_faces(Severity::Dropped);
-    if purpose.strict && dropped > 0 {
+    let findings = scene.metadata.findings.iter().filter(|f| f.severity == Severity::Dropped).count();
+    if purpose.strict && findings > 0 {
+        let dropped = scene.metadata.missing_faces(Severity::Dropped);
         let declared = scene.metadata.declared_faces;
-        return Err(Failure::Partial { path: path.display().to_string(), dropped, declared }.into());
+        let path = path.display().to_string();
+        return Err(Failure::Partial { path, dropped, declared, findings }.into());
     }
     Ok(loaded)
 }

@@ -32,9 +32,9 @@ enum Failure {
     Usage(String),
     /// `--strict`, and something was dropped.
     #[error(
-        "{path}: {dropped} of {declared} faces were dropped, and --strict was given; nothing was written"
+        "{path}: shape was dropped ({dropped} of {declared} faces, {findings} findings), and --strict was given; nothing was written"
     )]
-    Partial { path: String, dropped: u64, declared: u64 },
+    Partial { path: String, dropped: u64, declared: u64, findings: usize },
     /// No face to show.
     #[error("{path}: nothing to {verb}: {reason}")]
     Nothing { path: String, verb: &'static str, reason: String },

@@ -103,17 +103,20 @@ fn seams(bounds: &[Bound], meeting: f64) -> Vec<Option<usize>> {
         let runs_back = |j: &usize| {
             let opposite =
                 ends[i][0].distance(ends[*j][1]) <= meeting && ends[i][1].distance(ends[*j][0]) <= meeting;
-            let open = ends[i][0].distance(ends[i][1]) > meeting;
             let follows = |s: f64| {
                 let point = bounds[i].piece.at(s);
                 let curve = &bounds[*j].piece.curve;
                 let other = curve.point(invert_curve(curve, point, None));
                 other.distance(point) <= meeting
             };
-            // Arcs over and under the same chord part at their middles.
-            let middle = bounds[i].piece.at(0.5).distance(bounds[*j].piece.at(0.5));
-            let length = ends[i][0].distance(ends[i][1]);
-            opposite && open && middle <= 0.5 * length + meeting && [0.25, 0.5, 0.75].into_iter().all(follows)
+            // Arcs over and under the same chord part at their middles; closed curves may run the same way.
+            let [one, other] = [&bounds[i].piece, &bounds[*j].piece];
+            let middle = one.at(0.5).distance(other.at(0.5));
+            let quarter = one.at(0.25).distance(other.at(0.75));
+            let length = ends[i][0].distance(ends[i][1]).max(ends[i][0].distance(one.at(0.5)));
+            opposite
+                && middle.max(quarter) <= 0.5 * length + meeting
+                && [0.25, 0.5, 0.75].into_iter().all(follows)
         };
         partners[i] = (0..i).find(|j| !taken[*j] && partners[*j].is_none() && runs_back(j));
         if let Some(partner) = partners[i] {

@@ -49,10 +49,15 @@ pub fn around(
     let TrimLoop::Edges(coedges) = &trim else { return vec![trim] };
     let seams = coedges.iter().filter(|coedge| coedge.reversed).count();
     let is_seam = |coedge: &Coedge| coedges.iter().filter(|other| other.edge == coedge.edge).count() == 2;
-    if seams < 2 || coedges.iter().all(is_seam) {
+    if seams < 2 {
         return vec![trim];
     }
-    let runs = coedges.iter().map(|coedge| Run::new(model, *coedge)).collect();
+    let runs: Vec<Run> = coedges.iter().map(|coedge| Run::new(model, *coedge)).collect();
+    if coedges.iter().all(is_seam) {
+        // Closed seams alone, as on a torus: all meet in one corner, in any order, and bound the whole surface.
+        let are_closed = runs.iter().all(|run| run.points[0].distance(run.points[1]) <= meeting);
+        return if are_closed { Vec::new() } else { vec![trim] };
+    }
     let normal = |point: DVec3| {
         let d = surface.derivatives(invert_surface(surface, point, None).uv);
         let normal = d.du.cross(d.dv).normalize_or_zero();

@@ -45,6 +45,25 @@ fn revolved_surfaces_and_seams() {
 }
 
 #[test]
+fn a_torus_of_closed_seams() {
+    // Radii 3 and 1. The seams meet in one corner; each is listed with its way back right after it.
+    let axis = part(110, "0,0,0,0,0,1");
+    let upright = part(124, "1,0,0,0,0,0,-1,0,0,1,0,0");
+    let mirrored = part(124, "1,0,0,0,0,0,1,0,0,-1,0,0");
+    let below = part(124, "1,0,0,0,0,-1,0,0,0,0,-1,0");
+    let profile = part(100, "0,3,0,4,0,4,0").transform(5);
+    let curves = vec![
+        part(100, "0,0,0,4,0,4,0"),
+        part(100, "0,0,0,4,0,4,0").transform(9),
+        part(100, "0,3,0,4,0,4,0").transform(5),
+        part(100, "0,3,0,4,0,4,0").transform(7),
+    ];
+    let others = vec![axis, upright, mirrored, below, profile];
+    let model = clean(&trimmed(part(120, "3,11,0,6.283185307179586"), others, curves));
+    assert!((trims(&model) - std::f64::consts::TAU.powi(2)).abs() < 1e-6, "{}", trims(&model));
+}
+
+#[test]
 fn parameter_curves_are_lifted() {
     let line = |text: &str| entity(110, FLAT, text);
     let entities = vec![

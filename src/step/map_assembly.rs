@@ -53,7 +53,7 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, styles: &Styles) {
     assembly.place_mapped_items(reader, styles);
     for &id in &catalog.placements {
         if let Err(problem) = assembly.place_occurrence(reader, id, styles) {
-            reader.report(Severity::Warning, problem);
+            reader.report(Severity::Dropped, problem);
         }
     }
     assembly.place_related(reader);

@@ -17,7 +17,7 @@ impl Assembly {
                 if reader.keyword(item) == "MAPPED_ITEM"
                     && let Err(problem) = self.place_mapped_item(reader, id, context, item, styles)
                 {
-                    reader.report(Severity::Warning, problem);
+                    reader.report(Severity::Dropped, problem);
                 }
             }
         }
@@ -138,7 +138,7 @@ impl Assembly {
                 None => Ok(()),
             });
             if let Err(problem) = placed {
-                reader.report(Severity::Warning, problem);
+                reader.report(Severity::Dropped, problem);
             }
         }
     }
