@@ -83,11 +83,11 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     }
     let domain = leaf_domain(leaf);
     let planes = ray_planes(ray);
-    let isolating = !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u;
+    let isolating = EXACTNESS == EXACT && !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u;
     var cell = Cell(0u, vec2<u32>(0u));
-    var next_start = select(0u, 3u, hit.flat_leaf);
-    let last_start = select(8u, 1u, hit.unique);
-    var starts_left = select(last_start - next_start, MAX_ISOLATION_CELLS, isolating);
+    let starts = fixed_starts(hit);
+    var next_start = starts.x;
+    var starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, isolating);
     var search = Search(vec2<f32>(0.0), 0u, hit.unique, false, true);
     var is_new = true;
     loop {
@@ -143,22 +143,36 @@ fn next_cell(cell: ptr<function, Cell>) -> bool {
     return (*cell).level != 0u;
 }
 
-// Starts in the twin's order: three along the ray, then five across the leaf; a certified leaf needs one, a flat one has no plane.
+// The first start, and the one after the last.
+fn fixed_starts(hit: SlabHit) -> vec2<u32> {
+    if hit.unique {
+        return vec2<u32>(0u, 1u);
+    }
+    if EXACTNESS == FAST {
+        return select(vec2<u32>(0u, 1u), vec2<u32>(4u, 5u), hit.flat_leaf);
+    }
+    if EXACTNESS == BALANCED {
+        return select(vec2<u32>(1u, 3u), vec2<u32>(5u, 7u), hit.flat_leaf);
+    }
+    return select(vec2<u32>(1u, 9u), vec2<u32>(4u, 9u), hit.flat_leaf);
+}
+
 fn fixed_start(hit: SlabHit, k: u32, domain: Domain) -> vec2<f32> {
-    if k < 3u {
-        var t = hit.enter;
-        if hit.unique {
-            t = min(max(-hit.at.z / hit.along.z, hit.enter), hit.leave);
-        } else if k == 1u {
-            t = hit.leave;
+    if k < 4u {
+        var t = min(max(-hit.at.z / hit.along.z, hit.enter), hit.leave);
+        if k == 1u {
+            t = hit.enter;
         } else if k == 2u {
+            t = hit.leave;
+        } else if k == 3u {
             t = (hit.enter + hit.leave) * 0.5;
         }
         return slab_start(hit, t, domain);
     }
     var place = vec2<f32>(0.5);
-    if k > 3u {
-        place = vec2<f32>(select(0.9, 0.1, (k & 1u) == 0u), select(0.9, 0.1, k < 6u));
+    if k > 4u {
+        // 5 is low and low, 6 high and high, 7 high and low, 8 low and high.
+        place = vec2<f32>(select(0.1, 0.9, k == 6u || k == 7u), select(0.1, 0.9, (k & 1u) == 0u));
     }
     return domain.low + domain.size * place;
 }
@@ -279,9 +293,9 @@ fn plane_values(planes: RayPlanes, p: vec4<f32>) -> vec2<f32> {
 fn examine(jet: NetJet, leaf: u32, ray: PrimitiveRay, planes: RayPlanes, domain: Domain, cell: Cell) -> Verdict {
     let a = net_leaves[leaf].tangent_u;
     let b = net_leaves[leaf].tangent_v;
-    let bend = f32(net_leaves[leaf].certificate >> 24u) * (1.0 / 64.0) * min(length(a), length(b)) * sqrt(2.0);
+    let bend = f32(net_leaves[leaf].certificate >> 24u) * (1.0 / 64.0) * min(length(a), length(b));
     let size = greatest(net_leaves[leaf].center) + greatest(ray.origin) + greatest(a) + greatest(b);
-    let rounding = size * 16.0 * EPSILON;
+    let rounding = size * 32.0 * EPSILON;
     let scale = 1.0 / jet.value.w;
     let f = plane_values(planes, jet.value) * scale;
     let f_s = (plane_values(planes, jet.by_u) - f * jet.by_u.w) * scale * domain.size.x;
@@ -290,10 +304,15 @@ fn examine(jet: NetJet, leaf: u32, ray: PrimitiveRay, planes: RayPlanes, domain:
     let remainder = bend * 0.5 * reach * reach + rounding;
     let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
     let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
-    let rows = vec2<f32>(abs(f_t.x) + abs(f_t.y), abs(f_s.x) + abs(f_s.y));
+    let slope = planes.slope;
+    let plane_norms = sqrt(vec2<f32>(1.0) + slope * slope);
+    let along = vec2<f32>(f_t.y * slope.x - f_t.x * slope.y, f_s.x * slope.y - f_s.y * slope.x);
+    let rows = sqrt(vec2<f32>(dot(f_t, f_t), dot(f_s, f_s)) + along * along);
     let room = reach * abs(determinant);
-    let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + remainder) || any(abs(step) > room + rows * remainder);
-    let is_regular = max(rows.x, rows.y) * bend * reach < 0.4 * abs(determinant);
+    let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + plane_norms * remainder) || any(abs(step) > room + rows * remainder);
+    let curving = max(rows.x, rows.y) * bend;
+    let is_regular = curving * reach < 0.9 * abs(determinant)
+        && curving * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
     let start = cell_center(cell, domain) - select(vec2<f32>(0.0), step / determinant * domain.size, is_regular);
     let splits = !misses && !is_regular && cell.level < MAX_ISOLATION_LEVEL;
     return Verdict(start, is_regular && cell.level <= 2u, !misses, splits);

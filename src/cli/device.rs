@@ -6,7 +6,7 @@ use crate::image::Film;
 use crate::render::cpu::{self, Precision};
 #[cfg(feature = "gpu")]
 use crate::render::gpu::{AdapterChoice, Gpu, GpuError, GpuScene};
-use crate::render::{Camera, Hit, Ray, RenderOptions};
+use crate::render::{Camera, Exactness, Hit, Ray, RenderOptions};
 use crate::scene::Scene;
 use std::io::Write;
 
@@ -87,6 +87,7 @@ impl<'a> Device<'a> {
         #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "only the GPU may fail here"))] mut self,
         scene: Scene<'s>,
         precision: Precision,
+        exactness: Exactness,
     ) -> anyhow::Result<Prober<'a, 's>> {
         #[cfg(feature = "gpu")]
         let uploaded = match (&self.gpu, precision) {
@@ -109,6 +110,7 @@ impl<'a> Device<'a> {
             device: self,
             scene,
             precision,
+            exactness,
             #[cfg(feature = "gpu")]
             uploaded,
         })
@@ -154,6 +156,7 @@ pub(super) struct Prober<'a, 's> {
     device: Device<'a>,
     scene: Scene<'s>,
     precision: Precision,
+    exactness: Exactness,
     #[cfg(feature = "gpu")]
     uploaded: Option<GpuScene<'s>>,
 }
@@ -163,7 +166,7 @@ impl Prober<'_, '_> {
     pub(super) fn probe(&mut self, rays: &[Ray], first_only: bool) -> anyhow::Result<Vec<Vec<Hit>>> {
         #[cfg(feature = "gpu")]
         if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
-            match gpu.probe(uploaded, rays, first_only) {
+            match gpu.probe_with(uploaded, rays, first_only, self.exactness) {
                 Ok(hits) => return Ok(hits),
                 Err(error) => self.device.fall_back(error)?,
             }
@@ -171,6 +174,6 @@ impl Prober<'_, '_> {
         if self.device.choice != DeviceChoice::Cpu {
             self.device.announce_cpu();
         }
-        Ok(cpu::probe(&self.scene, rays, self.precision, first_only))
+        Ok(cpu::probe_with(&self.scene, rays, self.precision, first_only, self.exactness))
     }
 }

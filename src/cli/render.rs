@@ -42,6 +42,7 @@ fn render_one(
             Background::Color(command.background_color)
         },
         ambient_occlusion: !command.no_ambient_occlusion,
+        exactness: command.exactness.into(),
     };
     let start = Instant::now();
     let progress = Progress::new(format!("Rendering {}", input.display()), general);

@@ -21,6 +21,19 @@ impl Background {
     }
 }
 
+/// How carefully a leaf of a net is searched where a ray grazes it: where nothing certifies that at most one hit is there. All other
+/// pairs of a ray and a leaf are treated alike, and without loss.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Exactness {
+    /// Newton's method once, from the ray's crossing of the leaf's plane.
+    Fast,
+    /// Newton's method twice, from where the ray enters and leaves the leaf's slab.
+    Balanced,
+    /// A certified search of the whole leaf.
+    #[default]
+    Exact,
+}
+
 /// How to render.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -32,6 +45,8 @@ pub struct RenderOptions {
     pub background: Background,
     /// Whether to darken where the surroundings block the light.
     pub ambient_occlusion: bool,
+    /// How carefully grazing hits are searched for.
+    pub exactness: Exactness,
 }
 
 impl Default for RenderOptions {
@@ -41,6 +56,7 @@ impl Default for RenderOptions {
             samples: 16,
             background: Background::Color([1.0, 1.0, 1.0]),
             ambient_occlusion: true,
+            exactness: Exactness::default(),
         }
     }
 }

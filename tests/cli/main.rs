@@ -241,6 +241,26 @@ fn probe_answers_in_order_with_exact_hits() {
 }
 
 #[test]
+fn exactness_is_one_of_three() {
+    let bench = Bench::new();
+    let exact = bench.probe("cube.step", RAYS);
+    for mode in ["fast", "balanced", "exact"] {
+        assert_eq!(bench.probe(&format!("cube.step --exactness {mode}"), RAYS), exact, "{mode}");
+        let picture =
+            format!("render cube.step -o {mode}.png --resolution 8,8 --samples 1 --exactness {mode}");
+        bench.run(&picture).expect(0);
+        assert!(bench.path(&format!("{mode}.png")).exists());
+    }
+    for command in ["probe cube.step --rays -", "render cube.step -o wrong.png"] {
+        let outcome = bench.run(&format!("{command} --exactness sloppy")).expect(2);
+        for word in ["sloppy", "fast", "balanced", "exact"] {
+            assert!(outcome.stderr.contains(word), "{word}: {}", outcome.stderr);
+        }
+        assert!(!bench.path("wrong.png").exists());
+    }
+}
+
+#[test]
 fn a_wrong_ray_is_named_after_the_good_ones_are_answered() {
     let bench = Bench::new();
     let outcome = bench.run_with("probe cube.step --rays -", "5 5 30 0 0 -1\n5 5 30 0 0 0\n").expect(1);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use trimray::bake::BakeOptions;
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
-use trimray::render::{Background, Camera, Ray, RenderOptions};
+use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions};
 use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
 /// Share of rays that have to agree. What is left are near ties: silhouettes, trim borders, coincident faces.
@@ -87,6 +87,7 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
         samples: 4,
         background: Background::Transparent,
         ambient_occlusion,
+        exactness: Exactness::Exact,
     }
 }
 
@@ -128,6 +129,24 @@ fn hits_agree() {
     let Some(gpu) = gpu() else { return };
     let buffers = synthetic::every_kind();
     assert!(assert_hits_agree("every kind", &gpu, &buffers.scene(), 6_000));
+}
+
+/// `hits_agree` compares the exact mode, which is the default.
+#[test]
+fn hits_agree_with_less_exactness() {
+    let Some(gpu) = gpu() else { return };
+    let buffers = synthetic::every_kind();
+    let scene = buffers.scene();
+    let rays = chords(&scene, 6_000);
+    let on_gpu = gpu.upload(&scene).unwrap();
+    for exactness in [Exactness::Fast, Exactness::Balanced] {
+        let expected = cpu::probe_with(&scene, &rays, Precision::F32, false, exactness);
+        let found = gpu.probe_with(&on_gpu, &rays, false, exactness).unwrap();
+        let difference = compare_hits(&rays, &expected, &found, radius(&scene), false);
+        eprintln!("{exactness:?}, {}: {difference:?}", gpu.name());
+        assert!(difference.hits > 0, "{exactness:?}: no ray hits");
+        assert!(difference.agreement() >= LEAST_AGREEMENT, "{exactness:?}: {difference:?}");
+    }
 }
 
 #[test]

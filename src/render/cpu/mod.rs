@@ -26,11 +26,13 @@ pub(super) mod trim;
 pub(super) mod vector;
 
 #[cfg(test)]
+mod exactness_tests;
+#[cfg(test)]
 mod test_scenes;
 #[cfg(test)]
 mod tests;
 
-pub use self::probe::probe;
+pub use self::probe::{probe, probe_with};
 pub use self::render::render;
 pub use frames::Kernel;
 

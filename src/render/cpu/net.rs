@@ -9,7 +9,7 @@
 //!
 //! **Isolation.** Without the certificate the leaf's bound on second derivatives drives a quadtree over its domain (Kantorovich's test, after
 //! Srijuntongsiri and Vavasis 2007): cells that cannot hold a root are dropped, those where Newton's method cannot fail are searched, others are quartered.
-//! Leaves without any bound get several starts.
+//! Leaves without any bound get several starts. Where less exactness is asked for, all pairs without the certificate get one start or two.
 //!
 //! **Newton.** Two planes contain the ray (Kajiya 1982), sheared along the direction's greatest component (Woop, Benthin and Wald 2013); their
 //! equations are put to the homogeneous numerators, which are polynomials also where the net is rational.
@@ -19,7 +19,9 @@ use super::bernstein::{NetJet, net_jet};
 use super::ray_space::PrimitiveRay;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
+use crate::render::Exactness;
 use crate::scene::{Net, NetLeaf, Scene};
+use std::ops::Range;
 
 /// Roots kept per leaf.
 pub const MAX_ROOTS: usize = 6;
@@ -93,6 +95,7 @@ pub fn leaf_roots<T: Kernel>(
     ray: &PrimitiveRay<T>,
     near: T,
     far: T,
+    exactness: Exactness,
 ) -> NetRoots<T> {
     let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS] };
     let Some(hit) = intersect_slab(leaf, ray, near, far) else {
@@ -100,29 +103,47 @@ pub fn leaf_roots<T: Kernel>(
     };
     let domain = leaf_domain(leaf);
     let planes = ray_planes(ray);
-    let half = number::<T>(0.5);
-    if hit.unique {
-        let middle = (-hit.at.z / hit.along.z).max(hit.enter).min(hit.leave);
-        let start = slab_start(&hit, middle, &domain);
-        search(scene, leaf, net, ray, &planes, &domain, start, true, &mut roots);
-        return roots;
-    }
-    if leaf.certificate >> 24 != 255 {
+    let has_bound = leaf.certificate >> 24 != 255;
+    if exactness == Exactness::Exact && !hit.unique && has_bound {
         isolate(scene, leaf, net, ray, &planes, &domain, &mut roots);
         return roots;
     }
-    if !hit.flat {
-        let middle = (hit.enter + hit.leave) * half;
-        for t in [hit.enter, hit.leave, middle] {
-            let start = slab_start(&hit, t, &domain);
-            search(scene, leaf, net, ray, &planes, &domain, start, false, &mut roots);
-        }
-    }
-    for (u, v) in [(0.5, 0.5), (0.1, 0.1), (0.9, 0.1), (0.1, 0.9), (0.9, 0.9)] {
-        let start = [domain.low[0] + domain.size[0] * number(u), domain.low[1] + domain.size[1] * number(v)];
-        search(scene, leaf, net, ray, &planes, &domain, start, false, &mut roots);
+    for k in fixed_starts(&hit, exactness) {
+        let start = fixed_start(&hit, k, &domain);
+        search(scene, leaf, net, ray, &planes, &domain, start, hit.unique, &mut roots);
     }
     roots
+}
+
+/// The starts that a leaf gets where it is not searched cell by cell, as numbers for [`fixed_start`]. A flat leaf has no plane to start on.
+#[inline]
+fn fixed_starts<T: Real>(hit: &SlabHit<T>, exactness: Exactness) -> Range<u32> {
+    match (exactness, hit.flat) {
+        _ if hit.unique => 0..1,
+        (Exactness::Fast, false) => 0..1,
+        (Exactness::Fast, true) => 4..5,
+        (Exactness::Balanced, false) => 1..3,
+        (Exactness::Balanced, true) => 5..7,
+        (Exactness::Exact, false) => 1..9,
+        (Exactness::Exact, true) => 4..9,
+    }
+}
+
+/// Start `k`: where the ray crosses the leaf's plane, enters, leaves, and is half way between; then the leaf's middle and near its corners.
+#[inline]
+fn fixed_start<T: Real>(hit: &SlabHit<T>, k: u32, domain: &Domain<T>) -> [T; 2] {
+    let place = match k {
+        0 => return slab_start(hit, (-hit.at.z / hit.along.z).max(hit.enter).min(hit.leave), domain),
+        1 => return slab_start(hit, hit.enter, domain),
+        2 => return slab_start(hit, hit.leave, domain),
+        3 => return slab_start(hit, (hit.enter + hit.leave) * number(0.5), domain),
+        4 => [0.5, 0.5],
+        5 => [0.1, 0.1],
+        6 => [0.9, 0.9],
+        7 => [0.9, 0.1],
+        _ => [0.1, 0.9],
+    };
+    [0, 1].map(|axis| domain.low[axis] + domain.size[axis] * number(place[axis]))
 }
 
 /// The leaf point at which the ray stands at `t`, projected onto the leaf's plane and clamped to the leaf.
@@ -253,9 +274,13 @@ fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
 
 /// Searches the leaf cell by cell, from the whole one down.
 ///
-/// In a cell of half width r about a point with plane values F and derivatives J (by the leaf's own parameters), F is linear up to
-/// `½ B r²` with B a bound of `|F_ss| + 2 |F_st| + |F_tt|`, so a root needs `|F| <= |J| r + ½ B r²` and `|J⁻¹ F| <= r + |J⁻¹| ½ B r²`. With
-/// `|J⁻¹| B r < 0.4` the first step is at most 1.2 r, and `|J⁻¹| B · 1.2 r < ½` is Kantorovich's condition: Newton's method finds the only root.
+/// In a cell of half width r about a point with plane values F and derivatives J (by the leaf's own parameters), S is linear up to
+/// `½ B r²` with B a bound of `|S_ss| + 2 |S_st| + |S_tt|`. A combination `w · F` of the planes is `n · S` with `n = (w, −w · slope)`, so a root
+/// needs `|w · F| <= |w · J| r + |n| ½ B r²` for every w: for both planes, and for both rows of J⁻¹, the Newton step.
+///
+/// Let `K = B max |n|` over the rows of J⁻¹, and η the step. J⁻¹ J is off the identity by at most K r in the cell, so `K r < 1` leaves room for one root,
+/// at a distance e from the middle of r at most. `K η < ½` is Kantorovich's condition, under which Newton's method does not fail:
+/// after the first step `½ K e² <= ½ e` is left, and the derivative's inverse has at most doubled. Both are asked for with a tenth to spare.
 fn isolate<T: Kernel>(
     scene: &Scene<'_>,
     leaf: &NetLeaf,
@@ -267,13 +292,15 @@ fn isolate<T: Kernel>(
 ) {
     let a = Vector3::<T>::from_f32(leaf.tangent_u);
     let b = Vector3::<T>::from_f32(leaf.tangent_v);
-    // Slopes are at most 1, so that a plane's value changes by up to √2 of the way.
-    let bend = T::from_f32((leaf.certificate >> 24) as f32 * (1.0 / 64.0))
-        * a.length().min(b.length())
-        * number(std::f64::consts::SQRT_2);
+    let bend = T::from_f32((leaf.certificate >> 24) as f32 * (1.0 / 64.0)) * a.length().min(b.length());
+    let norm = |w: [T; 2]| {
+        let along = w[0] * planes.slope[0] + w[1] * planes.slope[1];
+        (w[0] * w[0] + w[1] * w[1] + along * along).sqrt()
+    };
+    let plane_norms = [norm([T::ONE, T::ZERO]), norm([T::ZERO, T::ONE])];
     let center = Vector3::<T>::from_f32(leaf.center);
     let rounding = (center.greatest() + ray.origin.greatest() + a.greatest() + b.greatest())
-        * number::<T>(16.0)
+        * number::<T>(32.0)
         * T::EPSILON;
     let half = number::<T>(0.5);
     let (mut level, mut cell) = (0_u32, [0_u32; 2]);
@@ -296,14 +323,17 @@ fn isolate<T: Kernel>(
         let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
         let ds = f[0] * f_t[1] - f[1] * f_t[0];
         let dt = f_s[0] * f[1] - f_s[1] * f[0];
-        let (row_s, row_t) = (f_t[0].abs() + f_t[1].abs(), f_s[0].abs() + f_s[1].abs());
+        let rows = [norm([f_t[1], -f_t[0]]), norm([-f_s[1], f_s[0]])];
         let room = reach * determinant.abs();
-        let misses = f[0].abs() > (f_s[0].abs() + f_t[0].abs()) * reach + remainder
-            || f[1].abs() > (f_s[1].abs() + f_t[1].abs()) * reach + remainder
-            || ds.abs() > room + row_s * remainder
-            || dt.abs() > room + row_t * remainder;
+        let misses = f[0].abs() > (f_s[0].abs() + f_t[0].abs()) * reach + plane_norms[0] * remainder
+            || f[1].abs() > (f_s[1].abs() + f_t[1].abs()) * reach + plane_norms[1] * remainder
+            || ds.abs() > room + rows[0] * remainder
+            || dt.abs() > room + rows[1] * remainder;
         if !misses {
-            let is_regular = row_s.max(row_t) * bend * reach < number::<T>(0.4) * determinant.abs();
+            let curving = rows[0].max(rows[1]) * bend;
+            let is_regular = curving * reach < number::<T>(0.9) * determinant.abs()
+                && curving * (ds.abs().max(dt.abs()) / determinant.abs())
+                    < number::<T>(0.45) * determinant.abs();
             if is_regular {
                 let step = |k: usize, d: T| uv[k] - d / determinant * domain.size[k];
                 search(scene, leaf, net, ray, planes, domain, [step(0, ds), step(1, dt)], level <= 2, roots);

@@ -5,7 +5,7 @@ use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, Precision};
-use crate::render::{Hit, Ray};
+use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -14,36 +14,51 @@ const MAX_HITS: usize = 1 << 16;
 
 /// All hits of each ray, sorted by t; or only the first of each. In f32 where the scene has no f64 arrays.
 pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
+    probe_with(scene, rays, precision, first_only, Exactness::default())
+}
+
+/// [`probe`] with the exactness of choice.
+pub fn probe_with(
+    scene: &Scene<'_>,
+    rays: &[Ray],
+    precision: Precision,
+    first_only: bool,
+    exactness: Exactness,
+) -> Vec<Vec<Hit>> {
     let exact = precision == Precision::F64 && scene.has_f64();
     rays.par_iter()
         .map(|ray| {
             if exact {
-                probe_ray::<f64>(scene, ray, first_only)
+                probe_ray::<f64>(scene, exactness, ray, first_only)
             } else {
-                probe_ray::<f32>(scene, ray, first_only)
+                probe_ray::<f32>(scene, exactness, ray, first_only)
             }
         })
         .collect()
 }
 
 /// The hits of one ray.
-fn probe_ray<T: Kernel>(scene: &Scene<'_>, ray: &Ray, first_only: bool) -> Vec<Hit> {
+fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, first_only: bool) -> Vec<Hit> {
     let Some(prepared) = prepare::<T>(ray, scene.header) else {
         return Vec::new();
     };
     if first_only {
-        let first = first_hit(scene, &prepared.ray, prepared.near);
+        let first = first_hit(scene, exactness, &prepared.ray, prepared.near);
         first.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
     } else {
-        let hits = all_hits(scene, &prepared);
+        let hits = all_hits(scene, exactness, &prepared);
         hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
     }
 }
 
 /// All hits, sorted, each once.
-pub fn all_hits<T: Kernel>(scene: &Scene<'_>, prepared: &PreparedRay<T>) -> Vec<RawHit<T>> {
+pub fn all_hits<T: Kernel>(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    prepared: &PreparedRay<T>,
+) -> Vec<RawHit<T>> {
     let mut hits: Vec<RawHit<T>> = Vec::new();
-    trace(scene, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
+    trace(scene, exactness, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
         hits.push(hit);
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });

@@ -73,7 +73,8 @@ fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
         row.color[x] = pixel_color(shading, camera, x, y, pixel);
         let ray = pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5);
         let Some(prepared) = prepare::<f32>(&ray, shading.scene.header) else { continue };
-        let Some(hit) = first_hit(shading.scene, &prepared.ray, prepared.near) else { continue };
+        let exactness = shading.options.exactness;
+        let Some(hit) = first_hit(shading.scene, exactness, &prepared.ray, prepared.near) else { continue };
         let t = prepared.start + hit.distance.to_f64();
         let normal = hit_normal(shading.scene, &hit);
         let facing = if normal.dot(prepared.ray.direction) > 0.0 { -normal } else { normal };

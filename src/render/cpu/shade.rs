@@ -63,7 +63,7 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
     let mut near = prepared.near;
     let mut color = [0.0_f32; 4];
     for layer in 1..=MAX_LAYERS {
-        let Some(hit) = first_hit(scene, &prepared.ray, near) else {
+        let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
             break;
         };
         let material = hit_material(scene, &hit);
@@ -109,11 +109,8 @@ fn shade_hit(
 ) -> [f32; 3] {
     let outward = hit_normal(shading.scene, hit);
     let n = if outward.dot(ray.direction) > 0.0 { -outward } else { outward };
-    let open = if shading.options.ambient_occlusion {
-        openness(shading.scene, ray, hit, n, pixel, sample)
-    } else {
-        1.0
-    };
+    let open =
+        if shading.options.ambient_occlusion { openness(shading, ray, hit, n, pixel, sample) } else { 1.0 };
     shade_surface(&shading.lights, n, -ray.direction, material, open)
 }
 
@@ -156,20 +153,21 @@ fn specular(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>) -> f32 {
 
 /// The share of the sky seen from a hit, by one ray drawn from a cosine distribution; near blockers count more than far ones.
 fn openness(
-    scene: &Scene<'_>,
+    shading: &Shading<'_, '_>,
     ray: &WorldRay<f32>,
     hit: &RawHit<f32>,
     n: Vector3<f32>,
     pixel: u32,
     sample: u32,
 ) -> f32 {
+    let scene = shading.scene;
     let [a, b] = sky_sample(pixel, sample);
     let direction = cosine_direction(n, a, b);
     let probe = leave_surface(scene, ray, hit, n, direction, surface_offset(scene));
     let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
     let near = Distance { anchor: 0.0, offset: 0.0 };
     let far = Distance { anchor: 0.0, offset: radius };
-    let blocked = match first_hit_before(scene, &probe, near, far) {
+    let blocked = match first_hit_before(scene, shading.options.exactness, &probe, near, far) {
         Some(blocker) => 1.0 - (blocker.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
         None => 0.0,
     };

@@ -10,6 +10,7 @@ use super::ray_space::{
 use super::trim::trim_inside;
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
+use crate::render::Exactness;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Net, Scene, TRIM_INSIDE};
 
@@ -29,19 +30,25 @@ pub struct RawHit<T> {
 }
 
 /// The first hit after `near`; of equally near ones that of the lowest face, net and instance, whatever the order of the walk.
-pub fn first_hit<T: Kernel>(scene: &Scene<'_>, ray: &WorldRay<T>, near: Distance<T>) -> Option<RawHit<T>> {
-    first_hit_before(scene, ray, near, Distance::INFINITE)
+pub fn first_hit<T: Kernel>(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    ray: &WorldRay<T>,
+    near: Distance<T>,
+) -> Option<RawHit<T>> {
+    first_hit_before(scene, exactness, ray, near, Distance::INFINITE)
 }
 
 /// The first hit between `near` and `far`.
 pub fn first_hit_before<T: Kernel>(
     scene: &Scene<'_>,
+    exactness: Exactness,
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
 ) -> Option<RawHit<T>> {
     let mut first: Option<RawHit<T>> = None;
-    trace(scene, ray, near, far, &mut |hit: RawHit<T>| {
+    trace(scene, exactness, ray, near, far, &mut |hit: RawHit<T>| {
         let best = match first {
             Some(best) if !comes_before(&hit, &best) => best,
             _ => hit,
@@ -66,6 +73,7 @@ pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
 /// stop.
 pub fn trace<T: Kernel>(
     scene: &Scene<'_>,
+    exactness: Exactness,
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
@@ -83,7 +91,7 @@ pub fn trace<T: Kernel>(
         let Some(part_ray) = enter_instance(ray, &T::instance(scene, instance), step) else {
             continue;
         };
-        match trace_part(scene, &part_ray, instance, near, far, accept) {
+        match trace_part(scene, exactness, &part_ray, instance, near, far, accept) {
             Some(nearer) => far = nearer,
             None => return,
         }
@@ -93,6 +101,7 @@ pub fn trace<T: Kernel>(
 /// The hits of one instance; the new `far`, or `None` to stop.
 fn trace_part<T: Kernel>(
     scene: &Scene<'_>,
+    exactness: Exactness,
     ray: &PartRay<T>,
     instance: u32,
     near: Distance<T>,
@@ -110,7 +119,7 @@ fn trace_part<T: Kernel>(
         };
         far = match unpack(word) {
             Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept)?,
-            Primitive::NetLeaf(leaf) => trace_leaf(scene, ray, instance, leaf, near, far, accept)?,
+            Primitive::NetLeaf(leaf) => trace_leaf(scene, exactness, ray, instance, leaf, near, far, accept)?,
         };
     }
 }
@@ -150,6 +159,7 @@ fn trace_face<T: Kernel>(
 /// The hits of a net leaf.
 fn trace_leaf<T: Kernel>(
     scene: &Scene<'_>,
+    exactness: Exactness,
     part_ray: &PartRay<T>,
     instance: u32,
     index: u32,
@@ -164,7 +174,7 @@ fn trace_leaf<T: Kernel>(
     let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
     let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
-    let roots = leaf_roots(scene, leaf, net, &ray, from, to);
+    let roots = leaf_roots(scene, leaf, net, &ray, from, to, exactness);
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };

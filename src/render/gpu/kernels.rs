@@ -3,9 +3,10 @@
 //! A source text is a generated prelude of constants, `types.wgsl`, an entry file with the bindings and entry points, and the
 //! function files, which are the twins of `render/cpu`. WGSL does not mind the order of declarations, so nothing is ever included
 //! from within. The prelude states what a scene needs: the nets' degrees, in fours, size the local arrays, and a kind of surface that
-//! a scene lacks is a constant `false` that the driver removes with all that hangs on it.
+//! a scene lacks is a constant `false` that the driver removes with all that hangs on it. So is the search cell by cell where less exactness is asked for.
 
 use super::{Gpu, GpuError, GpuScene};
+use crate::render::Exactness;
 use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::scene::{
@@ -84,12 +85,16 @@ pub struct Specialisation {
     pub net_chunks: u32,
     /// As in [`Header`].
     pub feature_mask: u32,
+    /// Decides whether the kernel has the search cell by cell at all.
+    pub exactness: Exactness,
 }
 
 impl Specialisation {
-    /// That of a scene.
-    pub fn of(header: &Header) -> Self {
-        Self { net_chunks: header.max_net_degree / 4 + 1, feature_mask: header.feature_mask }
+    /// That of a scene. Where there is no net, one kernel serves every exactness.
+    pub fn of(header: &Header, exactness: Exactness) -> Self {
+        let asked =
+            Self { net_chunks: header.max_net_degree / 4 + 1, feature_mask: header.feature_mask, exactness };
+        if asked.has(FaceKind::Nets) { asked } else { Self { exactness: Exactness::default(), ..asked } }
     }
 
     /// One of a few that serve all scenes: for devices that take longer to compile a kernel than a leaner one saves.
@@ -100,6 +105,7 @@ impl Specialisation {
         Self {
             net_chunks: if self.net_chunks <= 4 { 4 } else { MAX_DEGREE / 4 + 1 },
             feature_mask: others | self.feature_mask & nets,
+            exactness: self.exactness,
         }
     }
 
@@ -152,7 +158,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 16] = [
+    let words: [(&str, u32); 20] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("CHUNKS", specialisation.net_chunks),
@@ -169,6 +175,10 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("MANY", trim_node::MANY),
         ("INCOMPLETE", INCOMPLETE),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
+        ("FAST", Exactness::Fast as u32),
+        ("BALANCED", Exactness::Balanced as u32),
+        ("EXACT", Exactness::Exact as u32),
+        ("EXACTNESS", specialisation.exactness as u32),
     ];
     let mut text = String::new();
     for (name, value) in words {
@@ -251,9 +261,10 @@ impl Gpu {
         &self,
         entry: Entry,
         scene: &GpuScene<'_>,
+        exactness: Exactness,
         lanes: u32,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut specialisation = Specialisation::of(scene.scene.header);
+        let mut specialisation = Specialisation::of(scene.scene.header, exactness);
         if self.is_software() {
             specialisation = specialisation.widened();
         }

@@ -7,7 +7,7 @@ use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
 use crate::render::cpu::shade;
-use crate::render::{Camera, RenderOptions};
+use crate::render::{Camera, Exactness, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -99,12 +99,12 @@ impl Gpu {
                 sample_index: 0,
                 samples,
             };
-            let mut tile = self.render_tile(scene, parameters, WIDE, &mut || {
+            let mut tile = self.render_tile(scene, options.exactness, parameters, WIDE, &mut || {
                 done += 1;
                 progress(done, units);
             })?;
             if tile.is_cut_short() {
-                tile = self.render_tile(scene, parameters, NARROW, &mut || {})?;
+                tile = self.render_tile(scene, options.exactness, parameters, NARROW, &mut || {})?;
             }
             if tile.is_cut_short() {
                 return Err(GpuError::Incomplete);
@@ -129,6 +129,7 @@ impl Gpu {
     fn render_tile(
         &self,
         scene: &GpuScene<'_>,
+        exactness: Exactness,
         mut parameters: RenderParameters,
         lanes: u32,
         step: &mut dyn FnMut(),
@@ -136,7 +137,7 @@ impl Gpu {
         let count = parameters.pixel_count;
         let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = self.pipeline(Entry::Render, scene, lanes)?;
+        let pipeline = self.pipeline(Entry::Render, scene, exactness, lanes)?;
         // The last one tells what the pixels' centres show.
         for sample in 0..=parameters.samples {
             parameters.sample_index = sample;

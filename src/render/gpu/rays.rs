@@ -11,7 +11,7 @@ use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::sort_and_merge;
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
 use crate::render::cpu::trace::RawHit;
-use crate::render::{Hit, Ray};
+use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 
@@ -56,6 +56,13 @@ pub struct ProbeHit {
     reserved: u32,
 }
 
+/// What is asked of all rays.
+#[derive(Clone, Copy)]
+struct Wanted {
+    first_only: bool,
+    exactness: Exactness,
+}
+
 /// A ray on its way: which one of the caller's, and how many slots it needs.
 #[derive(Clone, Copy)]
 struct Pending {
@@ -76,6 +83,22 @@ impl Gpu {
         rays: &[Ray],
         first_only: bool,
     ) -> Result<Vec<Vec<Hit>>, GpuError> {
+        self.probe_with(scene, rays, first_only, Exactness::default())
+    }
+
+    /// [`Gpu::probe`] with the exactness of choice.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn probe_with(
+        &self,
+        scene: &GpuScene<'_>,
+        rays: &[Ray],
+        first_only: bool,
+        exactness: Exactness,
+    ) -> Result<Vec<Vec<Hit>>, GpuError> {
+        let wanted = Wanted { first_only, exactness };
         let mut answers: Vec<Vec<Hit>> = vec![Vec::new(); rays.len()];
         let slots = if first_only { 1 } else { FIRST_SLOTS };
         for (first, batch) in (0..).step_by(BATCH_RAYS).zip(rays.chunks(BATCH_RAYS)) {
@@ -85,8 +108,8 @@ impl Gpu {
                     prepare::<f32>(ray, scene.scene.header).map(|prepared| Pending { index, prepared, slots })
                 })
                 .collect();
-            let cut_short = self.probe_twice(scene, &pending, first_only, WIDE, &mut answers)?;
-            let left = self.probe_twice(scene, &cut_short, first_only, NARROW, &mut answers)?;
+            let cut_short = self.probe_twice(scene, &pending, wanted, WIDE, &mut answers)?;
+            let left = self.probe_twice(scene, &cut_short, wanted, NARROW, &mut answers)?;
             if !left.is_empty() {
                 return Err(GpuError::Incomplete);
             }
@@ -99,13 +122,13 @@ impl Gpu {
         &self,
         scene: &GpuScene<'_>,
         pending: &[Pending],
-        first_only: bool,
+        wanted: Wanted,
         lanes: u32,
         answers: &mut [Vec<Hit>],
     ) -> Result<Vec<Pending>, GpuError> {
-        let (crowded, mut cut_short) = self.probe_batch(scene, pending, first_only, lanes, answers)?;
+        let (crowded, mut cut_short) = self.probe_batch(scene, pending, wanted, lanes, answers)?;
         for group in groups(&crowded) {
-            cut_short.extend(self.probe_batch(scene, group, first_only, lanes, answers)?.1);
+            cut_short.extend(self.probe_batch(scene, group, wanted, lanes, answers)?.1);
         }
         for ray in &mut cut_short {
             ray.slots = ray.slots.min(FIRST_SLOTS);
@@ -118,7 +141,7 @@ impl Gpu {
         &self,
         scene: &GpuScene<'_>,
         pending: &[Pending],
-        first_only: bool,
+        wanted: Wanted,
         lanes: u32,
         answers: &mut [Vec<Hit>],
     ) -> Result<(Vec<Pending>, Vec<Pending>), GpuError> {
@@ -126,7 +149,7 @@ impl Gpu {
         if pending.is_empty() {
             return Ok((crowded, cut_short));
         }
-        let (hits, counts) = self.dispatch_rays(scene, pending, first_only, lanes)?;
+        let (hits, counts) = self.dispatch_rays(scene, pending, wanted, lanes)?;
         let mut first_slot = 0;
         for (ray, &count) in pending.iter().zip(&counts) {
             let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
@@ -152,7 +175,7 @@ impl Gpu {
         &self,
         scene: &GpuScene<'_>,
         pending: &[Pending],
-        first_only: bool,
+        wanted: Wanted,
         lanes: u32,
     ) -> Result<(Vec<ProbeHit>, Vec<u32>), GpuError> {
         let mut slots = 0;
@@ -164,13 +187,16 @@ impl Gpu {
                 probe_ray(ray, first_slot)
             })
             .collect();
-        let parameters =
-            ProbeParameters { ray_count: rays.len() as u32, first_only: first_only.into(), reserved: [0; 2] };
+        let parameters = ProbeParameters {
+            ray_count: rays.len() as u32,
+            first_only: wanted.first_only.into(),
+            reserved: [0; 2],
+        };
         let parameters = self.create_uniform("probe parameters", &parameters);
         let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
         let counts = self.create_output("probe counts", 4 * rays.len() as u64);
-        let pipeline = self.pipeline(Entry::Probe, scene, lanes)?;
+        let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, lanes)?;
         let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
         self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
