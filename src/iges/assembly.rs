@@ -15,7 +15,7 @@ use super::solid::solid_shells;
 use super::style;
 use crate::brep::{Body, BodyKind, Child, Color, Face, Id, Part, Severity};
 use glam::{DAffine3, DVec3};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 /// Subfigures, groups and instances may not be nested deeper than this; deeper ones are cyclic or hostile.
 const MAX_DEPTH: usize = 64;
@@ -60,12 +60,9 @@ pub fn map(reader: &mut Reader, catalog: &Catalog, name: String) {
         !tree.components.contains(shape) && !tree.owned.contains(shape) && !grouped.contains(shape)
     };
     let alone: Vec<u32> = catalog.shapes.iter().copied().filter(stands_alone).collect();
-    let mut levels = level::sorted(reader, &alone);
-    if levels.len() == 1 {
-        levels = BTreeMap::from([(0, alone)]);
-    }
+    let (own, levels) = level::sorted(reader, alone);
     let without_color = |entity| Member { entity, color: None };
-    members.extend(levels.remove(&0).unwrap_or_default().into_iter().map(without_color));
+    members.extend(own.into_iter().map(without_color));
     let mut part = Part { name, ..Part::default() };
     tree.fill(reader, &mut part, &members, 0);
     let names = if levels.is_empty() { HashMap::new() } else { level::names(reader) };

@@ -1,4 +1,4 @@
-//! Levels (field 5 of the directory): the layers of an IGES file, which its writers sort loose surfaces by.
+//! Levels (field 5 of the directory): the layers of an IGES file, which its writers sort what stands alone by.
 //!
 //! A level is a number, or a list of numbers in a property (entity 406, form 1), of which the first counts. A property (entity 406,
 //! form 3) may say what a level is for.
@@ -8,13 +8,16 @@ use super::reader::Reader;
 use super::value::Value;
 use std::collections::{BTreeMap, HashMap};
 
-/// `entities` by the level that they stand on, in order of levels; 0 is that of entities without one.
-pub fn sorted(reader: &Reader, entities: &[u32]) -> BTreeMap<u32, Vec<u32>> {
+/// The entities that belong to no layer, and the others by level: layers are worth having where there are several levels.
+pub fn sorted(reader: &Reader, entities: Vec<u32>) -> (Vec<u32>, BTreeMap<u32, Vec<u32>>) {
     let mut levels: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for &entity in entities {
+    for &entity in &entities {
         levels.entry(of(&reader.file, entity)).or_default().push(entity);
     }
-    levels
+    if levels.len() < 2 {
+        return (entities, BTreeMap::new());
+    }
+    (levels.remove(&0).unwrap_or_default(), levels)
 }
 
 /// The names of levels that have one.
