@@ -52,6 +52,9 @@ struct Face {
     period: vec2<f32>,
     trim_root: u32,
     part: u32,
+    slack: f32,
+    body: u32,
+    reserved: vec2<u32>,
 }
 
 struct Net {

@@ -19,7 +19,7 @@ const MAX_INDEX: usize = 1 << 31;
 /// A part of the scene under construction.
 #[derive(Debug)]
 pub(super) struct PartDraft {
-    /// In part space, padded.
+    /// Holds all faces, in part space, padded.
     pub bounds: Aabb,
     boxes: Vec<NarrowBox>,
     words: Vec<u32>,
@@ -39,6 +39,7 @@ pub(super) fn add_face(
     draft: &mut PartDraft,
     baked: BakedFace,
     part: u32,
+    body: u32,
     material: u32,
     keep_f64: bool,
 ) -> Result<(), &'static str> {
@@ -59,12 +60,14 @@ pub(super) fn add_face(
     let face = scene.faces.len() as u32;
     let mut record = baked.face;
     record.part = part;
+    record.body = body;
     record.material = material;
     if record.trim_root != TRIM_INSIDE {
         record.trim_root = add_trim(scene, &baked);
     }
     scene.header.feature_mask |= 1 << record.kind;
 
+    draft.bounds = baked.boxes.iter().fold(draft.bounds, |all, one| all.union(one.grown(padding)));
     draft.boxes.extend(boxes);
     if baked.nets.nets.is_empty() {
         draft.words.push(pack(Primitive::Face(face)));

@@ -60,7 +60,7 @@ pub(super) fn bake_face(
     }
     let size = outline.window.max - outline.window.min;
     let period = DVec2::from_array(surface.periods().map(|p| p.unwrap_or(0.0))) / size;
-    let (carrier, nets) = match carrier(surface, outline) {
+    let (carrier, mut nets) = match carrier(surface, outline) {
         Some(carrier) => (carrier, None),
         None => {
             let Surface::Bspline(bspline) = surface else {
@@ -77,6 +77,14 @@ pub(super) fn bake_face(
     let GridPoint { grid, fraction } =
         narrow::grid_point(origin, space.grid_step).ok_or("its surface's origin lies too far out")?;
 
+    let reach = match &nets {
+        Some(nets) => nets.reach,
+        None => carrier.radii[0].abs() + carrier.radii[1].abs(),
+    };
+    let slack = outline.slack(reach);
+    if let Some(nets) = &mut nets {
+        nets.grow(slack);
+    }
     let low = outline.window.min - carrier.slide;
     let needs_trim = match &nets {
         Some(nets) => nets.is_mixed,
@@ -88,7 +96,8 @@ pub(super) fn bake_face(
     let boxes = match &nets {
         Some(nets) => nets.boxes.clone(),
         None => {
-            vec![Aabb { min: outline.bounds.min - space.center, max: outline.bounds.max - space.center }]
+            let bounds = Aabb { min: outline.bounds.min - space.center, max: outline.bounds.max - space.center };
+            vec![bounds.grown(slack)]
         }
     };
     let record = Face {
@@ -107,6 +116,9 @@ pub(super) fn bake_face(
         period: narrow::pair(period),
         trim_root: if needs_trim { 0 } else { TRIM_INSIDE },
         part: 0,
+        slack: narrow::above(slack),
+        body: 0,
+        reserved: [0; 2],
     };
     // A window that is too large for single precision has a scale of 0.
     if !is_finite(&record) || record.uv_scale.iter().any(|scale| !(*scale > 0.0)) {

@@ -1,10 +1,12 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity};
-use crate::scene::{self, Finding, Metadata};
+use crate::brep::{Body, BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity};
+use crate::scene::{self, BodyInfo, Finding, Metadata};
 
-/// Names, units, counts of the model; parts, faces, instances and diagnostics are the bake's to add.
-pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
+/// Names, units, counts of the model and the bodies of `parts`; parts, faces, instances and diagnostics are the bake's to add.
+pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], parts: &[Id<Part>]) -> Metadata {
+    let bodies = parts.iter().flat_map(|&part| &model.parts[part].bodies);
+    let body = |body: &Body| BodyInfo { entity: body.entity, is_solid: body.kind == BodyKind::Solid };
     let solids_of =
         |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
     let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();
@@ -15,6 +17,7 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
         originating_system: model.source.originating_system.clone(),
         unit: model.source.unit.name.clone(),
         unit_millimetres: model.source.unit.millimetres,
+        bodies: bodies.map(body).collect(),
         declared_faces: model.declared_faces as u64,
         solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
         recognised: model

@@ -77,6 +77,8 @@ pub struct Trimmed {
 struct Draft {
     /// Index into the parts that occur.
     part: usize,
+    /// Index into the bodies of those parts.
+    body: usize,
     id: Id<Face>,
     outline: Result<Outline, String>,
 }
@@ -99,7 +101,7 @@ pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
 /// The second stage: nets, leaves, trim trees, BVHs, instances.
 pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
     let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
-    let metadata = metadata::of_model(model, &occurrences);
+    let metadata = metadata::of_model(model, &occurrences, &parts);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
     let mut findings = metadata::findings(model, is_cut);
     scene.metadata.largest_gap = gaps::report(&mut findings, model, &drafts);
@@ -165,27 +167,27 @@ fn outlines(
     options: &BakeOptions,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> (Vec<Draft>, usize) {
-    let faces: Vec<(usize, Id<Face>)> = parts
-        .iter()
+    let bodies = parts.iter().enumerate().flat_map(|(slot, &part)| {
+        let bodies = &model.parts[part].bodies;
+        bodies.iter().map(move |body| (slot, body))
+    });
+    let faces: Vec<(usize, usize, Id<Face>)> = bodies
         .enumerate()
-        .flat_map(|(slot, &part)| {
-            let bodies = &model.parts[part].bodies;
-            bodies.iter().flat_map(move |body| body.faces.iter().map(move |&face| (slot, face)))
-        })
+        .flat_map(|(index, (slot, body))| body.faces.iter().map(move |&face| (slot, index, face)))
         .collect();
-    let budget = budget(model, faces.iter().map(|&(_, id)| id));
+    let budget = budget(model, faces.iter().map(|&(.., id)| id));
     let done = AtomicUsize::new(0);
     let drafts = faces
         .par_iter()
         .with_max_len(FACES_PER_TASK)
         .zip(&budget.refusals)
-        .map(|(&(part, id), refusal)| {
+        .map(|(&(part, body, id), refusal)| {
             let outline = match refusal {
                 None => outline(model, id, &options.trim),
                 Some(reason) => Err((*reason).to_owned()),
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, faces.len());
-            Draft { part, id, outline }
+            Draft { part, body, id, outline }
         })
         .collect();
     (drafts, budget.patch_points)
@@ -245,7 +247,7 @@ fn gather(
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
 ) -> Vec<Option<(u32, Aabb)>> {
-    let mut slots = vec![None; parts.len()];
+    let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
     for (draft, baked) in drafts.into_iter().zip(baked) {
         let face = &model.faces[draft.id];
@@ -259,19 +261,17 @@ fn gather(
                 for loss in outline.losses {
                     findings.push(Diagnostic::new(Severity::Warning, face.entity, "ADVANCED_FACE", loss));
                 }
-                let (part, _) = *slots[slot].get_or_insert_with(|| {
+                let part = *slots[slot].get_or_insert_with(|| {
                     let own = part_boxes[slot];
                     let center = spaces[slot].center;
-                    let draft = PartDraft::new(Aabb { min: own.min - center, max: own.max - center });
-                    let bounds = draft.bounds;
-                    part_drafts.push(draft);
+                    part_drafts.push(PartDraft::new(Aabb { min: own.min - center, max: own.max - center }));
                     let part = &model.parts[parts[slot]];
                     scene.metadata.parts.push(PartInfo { name: part.name.clone(), entity: part.entity });
-                    (part_drafts.len() as u32 - 1, bounds)
+                    part_drafts.len() as u32 - 1
                 });
                 let material = materials.index(face.color);
                 let target = &mut part_drafts[part as usize];
-                let added = assemble::add_face(scene, target, baked, part, material, options.keep_f64);
+                let added = assemble::add_face(scene, target, baked, part, draft.body as u32, material, options.keep_f64);
                 added.err().map(str::to_owned)
             }
             (Ok(_), None) => Some("it has no outline".to_owned()),
@@ -290,7 +290,8 @@ fn gather(
             findings.push(finding);
         }
     }
-    slots
+    let with_box = |part: u32| (part, part_drafts[part as usize].bounds);
+    slots.into_iter().map(|slot| slot.map(with_box)).collect()
 }
 
 fn faces_of(scene: &SceneBuffers, part: u32) -> u32 {

@@ -31,6 +31,8 @@ pub(super) struct Nets {
     pub points: Vec<DVec4>,
     /// Whether any part of the nets is not inside.
     pub is_mixed: bool,
+    /// The diagonal of the largest net's box, millimetres.
+    pub reach: f64,
 }
 
 /// Origin of face space in part space (on the grid), and the nets.
@@ -62,10 +64,11 @@ pub(super) fn bake_nets(
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
+        let reach = slab::bounds(&patch).diagonal();
         let (found, is_cut) = leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size);
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
-        Ok(BakedSpan { domain, degrees, points, leaves, is_mixed })
+        Ok(BakedSpan { domain, degrees, points, leaves, is_mixed, reach })
     };
     let ends = surface.domain();
     let bake_strip = |strip: Vec<PatchSpan>| -> Result<Vec<BakedSpan>, String> {
@@ -99,14 +102,22 @@ struct BakedSpan {
     points: Vec<DVec4>,
     leaves: Vec<(NetLeaf, Aabb)>,
     is_mixed: bool,
+    reach: f64,
 }
 
 impl Nets {
+    /// Makes leaves and boxes hold what lies within `slack` of them.
+    pub(super) fn grow(&mut self, slack: f64) {
+        self.leaves.iter_mut().for_each(|leaf| slab::grow(leaf, slack));
+        self.boxes.iter_mut().for_each(|bounds| *bounds = bounds.grown(slack));
+    }
+
     fn add(&mut self, span: BakedSpan, is_rational: bool) {
         self.is_mixed |= span.is_mixed;
         if span.leaves.is_empty() {
             return;
         }
+        self.reach = self.reach.max(span.reach);
         let net = self.nets.len() as u32;
         self.nets.push(Net {
             first_point: self.points.len() as u32,

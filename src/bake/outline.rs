@@ -7,6 +7,13 @@ use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox, Surface};
 use crate::numeric::Aabb;
 use crate::trimming::{EdgeDeviation, FaceTrim, TrimOptions, trim_face};
 use glam::DVec2;
+use std::f64::consts::SQRT_2;
+
+/// Deviations count up to this share of the face: beyond it, closing a gap would change the shape more than the gap does.
+const MOST_DEVIATION: f64 = 1.0 / 1024.0;
+
+/// What f32 loses between a ray and its place among trim curves, as a share of the numbers on the way: eight roundings.
+const ROUNDINGS: f64 = 8.0 / (1 << 24) as f64;
 
 /// A face that can be baked.
 #[derive(Debug)]
@@ -25,6 +32,20 @@ pub(super) struct Outline {
     pub repairs: Vec<String>,
     /// What trimming left out.
     pub losses: Vec<String>,
+}
+
+impl Outline {
+    /// How far beside a ray, millimetres, the border of the baked face may be from the edge that bounds it in the model, where the numbers of its
+    /// carrier reach as far as `reach`.
+    ///
+    /// The image of an edge is off by its deviation; a hit, its parameters and the trim curves by the roundings of f32 at the size of the face and of its
+    /// carrier, [`ROUNDINGS`] of it together. The face is tried at four places around the ray (see `render::cpu::footprint`), which notice
+    /// every straight border within 1/√2 of their distance.
+    pub(super) fn slack(&self, reach: f64) -> f64 {
+        let size = self.bounds.diagonal();
+        let deviation = self.edges.iter().map(|edge| edge.distance).fold(0.0, f64::max);
+        SQRT_2 * (deviation.min(MOST_DEVIATION * size) + ROUNDINGS * (size + reach))
+    }
 }
 
 /// Trims a face; fails with the reason where nothing can be baked.

@@ -214,6 +214,16 @@ pub(super) fn leaf(patch: &BezierPatch, fit: &Fit) -> NetLeaf {
     }
 }
 
+/// Makes the slab hold what lies within `slack` of it, millimetres.
+pub(super) fn grow(leaf: &mut NetLeaf, slack: f64) {
+    let tangents = [leaf.tangent_u, leaf.tangent_v].map(|v| DVec3::from_array(v.map(f64::from)));
+    let dual = dual_rows(tangents);
+    let grown = |extent: f32, by: f64| narrow::above(f64::from(extent) + by);
+    leaf.extent_u = grown(leaf.extent_u, slack * dual.row(0).length());
+    leaf.extent_v = grown(leaf.extent_v, slack * dual.row(1).length());
+    leaf.extent_n = grown(leaf.extent_n, slack);
+}
+
 /// The bytes E_α, E_β, E_γ and M.
 fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2]) -> u32 {
     const NO_BOUNDS: u32 = u32::MAX;

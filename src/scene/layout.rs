@@ -119,7 +119,7 @@ pub enum FaceKind {
     Nets = 5,
 }
 
-/// A face: its carrier, its trim window, its trim tree. 112 bytes.
+/// A face: its carrier, its trim window, its trim tree. 128 bytes.
 ///
 /// For analytic kinds the carrier's frame has its origin at `grid · grid_step + offset` in part space and the given axes. Parameters are
 /// those of the geometry module but for planes, cylinders and cones, whose frame is slid along the surface to the middle of the trim
@@ -160,6 +160,13 @@ pub struct Face {
     pub trim_root: u32,
     /// Index of the part.
     pub part: u32,
+    /// How far beside the ray, part space, the face's border may be off: its distance from the edge in the model, and what f32 rounds of
+    /// a hit and of the trim curves. Positive.
+    pub slack: f32,
+    /// Index into `Metadata::bodies`.
+    pub body: u32,
+    /// Unused, 0.
+    pub reserved: [u32; 2],
 }
 
 impl Face {

@@ -20,6 +20,8 @@ pub struct Metadata {
     pub unit_millimetres: f64,
     /// One per part of the scene.
     pub parts: Vec<PartInfo>,
+    /// One per body of those parts.
+    pub bodies: Vec<BodyInfo>,
     /// One per face.
     pub faces: Vec<FaceInfo>,
     /// One per instance.
@@ -90,6 +92,15 @@ pub struct PartInfo {
     pub name: String,
     /// The file's entity number.
     pub entity: u64,
+}
+
+/// A body.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BodyInfo {
+    /// The file's entity number.
+    pub entity: u64,
+    /// Whether its faces enclose a volume.
+    pub is_solid: bool,
 }
 
 /// A face.

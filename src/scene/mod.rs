@@ -22,7 +22,7 @@ pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
     NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, primitive, trim_node,
 };
-pub use metadata::{EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
+pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
 pub use validate::{InvalidScene, validate};
 
 /// Owned arrays of a scene, as the bake makes them.

@@ -103,8 +103,10 @@ fn faces(scene: &Scene<'_>) -> Check {
         check(scene.header.feature_mask >> face.kind & 1 == 1, "its kind is not in the feature mask")?;
         check((face.material as usize) < scene.materials.len(), "no such material")?;
         check((face.part as usize) < scene.parts.len(), "no such part")?;
+        check((face.body as usize) < scene.metadata.bodies.len(), "no such body")?;
+        check(face.slack >= 0.0, "its slack is negative")?;
         check(on_grid(face.grid), "it lies outside of the grid")?;
-        let numbers: [&[f32]; 8] = [
+        let numbers: [&[f32]; 9] = [
             &face.x_axis,
             &face.y_axis,
             &face.z_axis,
@@ -113,6 +115,7 @@ fn faces(scene: &Scene<'_>) -> Check {
             &face.uv_low,
             &face.uv_scale,
             &face.period,
+            &[face.slack],
         ];
         check(finite(numbers), "a number is not finite")?;
         check(face.uv_scale.iter().all(|&x| x > 0.0), "its window has no size")?;

@@ -155,15 +155,9 @@ pub fn carrier_parameters<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [
         if kind == FaceKind::Sphere as u32 {
             return [p.y.atan2(p.x), p.z.atan2(across)];
         }
-        // Of the two tube circles in the point's half-plane (the far one counts for spindles) the one it lies on.
-        let squares = p.z * p.z - radii[1] * radii[1];
-        let near = (across - radii[0]) * (across - radii[0]) + squares;
-        let far = (across + radii[0]) * (across + radii[0]) + squares;
-        if far.abs() < near.abs() {
-            [(-p.y).atan2(-p.x), p.z.atan2(-across - radii[0])]
-        } else {
-            [p.y.atan2(p.x), p.z.atan2(across - radii[0])]
-        }
+        let [signed, beyond] = tube_place(p, across, radii);
+        let side = if signed < T::ZERO { -T::ONE } else { T::ONE };
+        [(p.y * side).atan2(p.x * side), p.z.atan2(beyond)]
     }
 }
 
@@ -190,19 +184,35 @@ pub fn carrier_normal<T: Real>(kind: u32, uv: [T; 2], radii: [T; 2]) -> Vector3<
     outward
 }
 
-/// Normalised parameters, wrapped; whether they lie in the trim window. Points within `tolerance` outside are moved onto its border.
-///
-/// The tolerance is 2⁻²⁰ of the window, as for nets, and four roundings of `low · scale`, which the parameter was measured from.
+/// S_u and S_v at a point of the carrier, in the carrier's frame. Not finite where they are not defined: on the axis of spheres, cones and tori.
 #[inline]
-pub fn to_window<T: Real>(parameter: T, low: T, scale: T, period: T) -> (T, bool) {
-    let tolerance = number::<T>(1.0 / 1_048_576.0) + number::<T>(4.0) * T::EPSILON * (low * scale).abs();
-    let mut p = (parameter - low) * scale;
-    if period > T::ZERO {
-        p = p - (p / period).floor() * period;
-        if p > period - tolerance && p > T::ONE {
-            p -= period;
-        }
+pub fn carrier_tangents<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Vector3<T>; 2] {
+    if kind == FaceKind::Plane as u32 {
+        return [vec3(T::ONE, T::ZERO, T::ZERO), vec3(T::ZERO, T::ONE, T::ZERO)];
     }
-    let inside = p >= -tolerance && p <= T::ONE + tolerance;
-    (p.max(T::ZERO).min(T::ONE), inside)
+    let around = vec3(-p.y, p.x, T::ZERO);
+    if kind == FaceKind::Cylinder as u32 {
+        return [around, vec3(T::ZERO, T::ZERO, T::ONE)];
+    }
+    let across = (p.x * p.x + p.y * p.y).sqrt();
+    if kind == FaceKind::Cone as u32 {
+        // The point at height z is (radius + slope z) from the axis; that is negative beyond the apex.
+        let change = radii[1] / if radii[0] + radii[1] * p.z < T::ZERO { -across } else { across };
+        return [around, vec3(p.x * change, p.y * change, T::ONE)];
+    }
+    if kind == FaceKind::Sphere as u32 {
+        return [around, vec3(-p.z * p.x / across, -p.z * p.y / across, across)];
+    }
+    let [signed, beyond] = tube_place(p, across, radii);
+    [around, vec3(-p.z * p.x / signed, -p.z * p.y / signed, beyond)]
+}
+
+/// Of the two tube circles in the half-plane of a torus' point (the far one counts for spindles) the one it lies on: the point's distance from
+/// the axis, negative on the far one, and how far that is beyond the circle's centre.
+#[inline]
+fn tube_place<T: Real>(p: Vector3<T>, across: T, radii: [T; 2]) -> [T; 2] {
+    let squares = p.z * p.z - radii[1] * radii[1];
+    let near = (across - radii[0]) * (across - radii[0]) + squares;
+    let far = (across + radii[0]) * (across + radii[0]) + squares;
+    if far.abs() < near.abs() { [-across, -across - radii[0]] } else { [across, across - radii[0]] }
 }

@@ -41,6 +41,8 @@ pub struct FaceFrame<T> {
     pub uv_scale: [T; 2],
     /// Periods in normalised units; 0 where not periodic.
     pub period: [T; 2],
+    /// How far beside a ray the face's border may be off.
+    pub slack: T,
 }
 
 /// The number types of the kernels.
@@ -78,6 +80,7 @@ impl Kernel for f32 {
             uv_low: face.uv_low,
             uv_scale: face.uv_scale,
             period: face.period,
+            slack: face.slack,
         }
     }
     #[inline(always)]
@@ -108,6 +111,7 @@ impl Kernel for f64 {
             uv_low: exact.uv_low,
             uv_scale: exact.uv_scale,
             period: exact.period,
+            slack: f64::from(narrow.slack),
         }
     }
     #[inline(always)]

@@ -38,7 +38,7 @@ pub fn finish_hit<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>, start: f64) -> 
         hit.uv
     } else {
         let net = &scene.nets[hit.net as usize];
-        face_parameters(net, scene.faces[hit.face as usize].period, hit.uv).0
+        face_parameters(net, scene.faces[hit.face as usize].period, hit.uv)
     };
     let info = &scene.metadata.faces[hit.face as usize];
     let uv = |k: usize| info.uv_low[k] + normalised[k].to_f64() * info.uv_size[k];

@@ -16,6 +16,7 @@
 
 use super::Kernel;
 use super::bernstein::{NetJet, net_jet};
+use super::footprint::{Footprint, footprint, sides};
 use super::ray_space::PrimitiveRay;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
@@ -40,6 +41,8 @@ pub struct NetRoot<T> {
     pub uv: [T; 2],
     /// Distance from the ray's origin, in units of the direction.
     pub t: T,
+    /// In local parameters.
+    pub footprint: Footprint<T>,
 }
 
 /// The roots found in a leaf, in no order.
@@ -96,6 +99,7 @@ pub fn leaf_roots<T: Kernel>(
     near: T,
     far: T,
     exactness: Exactness,
+    slack: T,
 ) -> NetRoots<T> {
     let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS] };
     let Some(hit) = intersect_slab(leaf, ray, near, far) else {
@@ -105,12 +109,12 @@ pub fn leaf_roots<T: Kernel>(
     let planes = ray_planes(ray);
     let has_bound = leaf.certificate >> 24 != 255;
     if exactness == Exactness::Exact && !hit.unique && has_bound {
-        isolate(scene, leaf, net, ray, &planes, &domain, &mut roots);
+        isolate(scene, leaf, net, ray, &planes, &domain, slack, &mut roots);
         return roots;
     }
     for k in fixed_starts(&hit, exactness) {
         let start = fixed_start(&hit, k, &domain);
-        search(scene, leaf, net, ray, &planes, &domain, start, hit.unique, &mut roots);
+        search(scene, leaf, net, ray, &planes, &domain, start, hit.unique, slack, &mut roots);
     }
     roots
 }
@@ -288,6 +292,7 @@ fn isolate<T: Kernel>(
     ray: &PrimitiveRay<T>,
     planes: &RayPlanes<T>,
     domain: &Domain<T>,
+    slack: T,
     roots: &mut NetRoots<T>,
 ) {
     let a = Vector3::<T>::from_f32(leaf.tangent_u);
@@ -319,7 +324,7 @@ fn isolate<T: Kernel>(
         let (f_s, f_t) = (slopes(by_u, domain.size[0]), slopes(by_v, domain.size[1]));
         // A little more than the cell, so that roots on its edges are in it.
         let reach = radius * number(1.0 + 1.0 / 64.0);
-        let remainder = bend * half * reach * reach + rounding;
+        let remainder = bend * half * reach * reach + rounding + slack;
         let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
         let ds = f[0] * f_t[1] - f[1] * f_t[0];
         let dt = f_s[0] * f[1] - f_s[1] * f[0];
@@ -336,13 +341,13 @@ fn isolate<T: Kernel>(
                     < number::<T>(0.45) * determinant.abs();
             if is_regular {
                 let step = |k: usize, d: T| uv[k] - d / determinant * domain.size[k];
-                search(scene, leaf, net, ray, planes, domain, [step(0, ds), step(1, dt)], level <= 2, roots);
+                search(scene, leaf, net, ray, planes, domain, [step(0, ds), step(1, dt)], level <= 2, slack, roots);
             } else if level < MAX_ISOLATION_LEVEL {
                 level += 1;
                 cell = [2 * cell[0], 2 * cell[1]];
                 continue;
             } else {
-                search(scene, leaf, net, ray, planes, domain, uv, false, roots);
+                search(scene, leaf, net, ray, planes, domain, uv, false, slack, roots);
             }
         }
         // The next of four, or of the parent's four.
@@ -367,6 +372,7 @@ fn search<T: Kernel>(
     domain: &Domain<T>,
     start: [T; 2],
     unique: bool,
+    slack: T,
     roots: &mut NetRoots<T>,
 ) {
     let mut uv = start;
@@ -396,14 +402,25 @@ fn search<T: Kernel>(
             break;
         }
     }
-    let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };
-    let overlap = number::<T>(OVERLAP);
-    let on_net = |x: T| x >= -overlap && x <= T::ONE + overlap;
-    if !(on_net(uv[0]) && on_net(uv[1]) && is_within(uv, domain, margin)) {
+    if !is_within(uv, domain, number(0.5)) {
         return;
     }
-    let at = net_jet(scene, net, ray.origin, uv).value;
-    let from_origin = vec3(at[0], at[1], at[2]) * (T::ONE / at[3]);
+    let NetJet { value, by_u, by_v } = net_jet(scene, net, ray.origin, uv);
+    let scale = T::ONE / value[3];
+    let from_origin = vec3(value[0], value[1], value[2]) * scale;
+    let tangent = |d: [T; 4]| (vec3(d[0], d[1], d[2]) - from_origin * d[3]) * scale;
+    let footprint = footprint(ray.direction, sides(ray.direction), tangent(by_u), tangent(by_v), slack);
+    let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };
+    let extent = footprint.extent();
+    let is_own = |k: usize| {
+        let on_net = extent[k].max(number(OVERLAP));
+        let on_leaf = extent[k].max(margin * domain.size[k]);
+        let beyond = uv[k] - domain.low[k];
+        uv[k] >= -on_net && uv[k] <= T::ONE + on_net && beyond >= -on_leaf && beyond - domain.size[k] <= on_leaf
+    };
+    if !(is_own(0) && is_own(1)) {
+        return;
+    }
     let t = from_origin.dot(ray.direction) / ray.direction.dot(ray.direction);
     let miss = (from_origin - ray.direction * t).greatest();
     let size =
@@ -414,7 +431,7 @@ fn search<T: Kernel>(
     if !(miss <= tolerance) {
         return;
     }
-    add_root(roots, NetRoot { uv, t }, domain);
+    add_root(roots, NetRoot { uv, t, footprint }, domain);
 }
 
 #[inline]

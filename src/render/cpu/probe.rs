@@ -1,6 +1,7 @@
 //! Batches of rays to hits.
 
 use super::hit::{finish_hit, hit_normal};
+use super::parity::{Crossing, consistent};
 use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
@@ -65,7 +66,7 @@ pub fn all_hits<T: Kernel>(
     sort_and_merge(scene, prepared, hits)
 }
 
-/// Sorts hits and leaves each once.
+/// Sorts hits and leaves each once, and those alone that the bodies can have.
 pub fn sort_and_merge<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
@@ -77,7 +78,9 @@ pub fn sort_and_merge<T: Kernel>(
         by_distance.then(a.face.cmp(&b.face)).then(a.net.cmp(&b.net)).then(a.instance.cmp(&b.instance))
     };
     hits.sort_by(order);
-    merge_doubles(scene, prepared, hits)
+    let crossings = merge_doubles(scene, prepared, hits);
+    let hits = consistent(scene, prepared.starts_outside, crossings);
+    hits.into_iter().map(|crossing| crossing.hit).collect()
 }
 
 /// Leaves one of the hits that neighbouring leaves and nets of one face report twice: same face, same facing, and closer together than the
@@ -86,26 +89,24 @@ fn merge_doubles<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
     hits: Vec<RawHit<T>>,
-) -> Vec<RawHit<T>> {
-    let mut kept: Vec<RawHit<T>> = Vec::with_capacity(hits.len());
-    let mut facings: Vec<T> = Vec::with_capacity(hits.len());
+) -> Vec<Crossing<T>> {
+    let mut kept: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
     let size = number::<T>(super::ray_space::scene_radius(scene.header));
     for hit in hits {
         let facing = hit_normal(scene, &hit).dot(prepared.ray.direction);
         let tolerance = size * T::EPSILON * number::<T>(16.0) / facing.abs().max(number(1e-3));
         let mut double = false;
-        for i in (0..kept.len()).rev() {
-            if hit.distance.minus(kept[i].distance) > tolerance {
+        for other in kept.iter().rev() {
+            if hit.distance.minus(other.hit.distance) > tolerance {
                 break;
             }
             double |= hit.net != super::NO_NET
-                && kept[i].face == hit.face
-                && kept[i].instance == hit.instance
-                && (facings[i] >= T::ZERO) == (facing >= T::ZERO);
+                && other.hit.face == hit.face
+                && other.hit.instance == hit.instance
+                && (other.facing >= T::ZERO) == (facing >= T::ZERO);
         }
         if !double {
-            kept.push(hit);
-            facings.push(facing);
+            kept.push(Crossing { hit, facing });
         }
     }
     kept

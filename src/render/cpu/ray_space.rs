@@ -109,6 +109,8 @@ pub struct PreparedRay<T> {
     pub start: f64,
     /// World distance of the model-space origin: hits before it do not count.
     pub near: Distance<T>,
+    /// Whether that origin lies outside of the scene's sphere.
+    pub starts_outside: bool,
 }
 
 /// The nearest multiple of `step`, a power of two.
@@ -142,6 +144,7 @@ pub fn prepare<T: Real>(ray: &Ray, header: &Header) -> Option<PreparedRay<T>> {
         },
         start: along,
         near: Distance { anchor: T::from_f64(near_anchor), offset: T::from_f64(near - near_anchor) },
+        starts_outside: along > 0.0 && from_anchor.length() > radius,
     })
 }
 

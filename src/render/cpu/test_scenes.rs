@@ -253,6 +253,9 @@ fn add_face(scene: &mut SceneBuffers, face: &TestFace, center: DVec3, step: f64)
         period: period.map(|x| x as f32),
         trim_root: TRIM_INSIDE,
         part: 0,
+        slack: 0.0,
+        body: 0,
+        reserved: [0; 2],
     });
     scene.faces_f64.push(FaceF64 {
         origin: origin.to_array(),

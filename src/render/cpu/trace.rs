@@ -1,18 +1,19 @@
 //! From a world ray to hits: the top BVH, the instances' BVHs, the primitives.
 
-use super::analytic::{carrier_parameters, carrier_roots, to_window};
+use super::analytic::{carrier_parameters, carrier_roots, carrier_tangents};
 use super::bvh::{bvh_ray, next_primitive, start_walk};
+use super::cover::{Cover, cover, to_window, window_margin};
+use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
-use super::net::{leaf_domain, leaf_roots};
+use super::net::{NetRoot, leaf_domain, leaf_roots};
 use super::ray_space::{
     Distance, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
-use super::trim::trim_inside;
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
 use crate::render::Exactness;
 use crate::scene::primitive::{Primitive, unpack};
-use crate::scene::{Net, Scene, TRIM_INSIDE};
+use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
 
 /// A hit as the kernels find it.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +28,8 @@ pub struct RawHit<T> {
     pub net: u32,
     /// Normalised face parameters; for nets local parameters of the net.
     pub uv: [T; 2],
+    /// Whether it is a hit whatever the errors: neither near a tangent nor near the face's border.
+    pub is_certain: bool,
 }
 
 /// The first hit after `near`; of equally near ones that of the lowest face, net and instance, whatever the order of the walk.
@@ -139,6 +142,7 @@ fn trace_face<T: Kernel>(
     let ray = approach_frame(part_ray, &face, number(scene.header.grid_step));
     let origin = apply_rows(&face.axes, ray.origin);
     let direction = apply_rows(&face.axes, ray.direction);
+    let beside = sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
     let roots = carrier_roots(face.kind, origin, direction, face.radii);
     for i in 0..roots.count {
         let t = roots.t[i];
@@ -146,11 +150,17 @@ fn trace_face<T: Kernel>(
         if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
             continue;
         }
-        let parameters = carrier_parameters(face.kind, origin + direction * t, face.radii);
-        let (u, u_inside) = to_window(parameters[0], face.uv_low[0], face.uv_scale[0], face.period[0]);
-        let (v, v_inside) = to_window(parameters[1], face.uv_low[1], face.uv_scale[1], face.period[1]);
-        if u_inside && v_inside && trim_inside(scene, scene.faces[index as usize].trim_root, [u, v]) {
-            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv: [u, v] })?;
+        let point = origin + direction * t;
+        let parameters = carrier_parameters(face.kind, point, face.radii);
+        let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
+        let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
+        let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
+        let footprint = footprint(direction, beside, s_u, s_v, face.slack).scaled(face.uv_scale);
+        let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
+        let cover = cover(scene, scene.faces[index as usize].trim_root, face.period, uv, margin, &footprint);
+        if cover != Cover::Outside {
+            let is_certain = cover == Cover::Inside && !footprint.is_grazing;
+            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain })?;
         }
     }
     Some(far)
@@ -174,36 +184,54 @@ fn trace_leaf<T: Kernel>(
     let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
     let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
-    let roots = leaf_roots(scene, leaf, net, &ray, from, to, exactness);
+    let roots = leaf_roots(scene, leaf, net, &ray, from, to, exactness, number(face.slack.into()));
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };
         if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
             continue;
         }
-        // The leaf's own trim state holds on its own domain only.
-        let domain = leaf_domain::<T>(leaf);
-        let own = |k: usize| {
-            root.uv[k] >= domain.low[k] && root.uv[k] <= domain.low[k] + domain.size[k]
-                || domain.low[k] == T::ZERO && root.uv[k] < T::ZERO
-                || domain.low[k] + domain.size[k] == T::ONE && root.uv[k] > T::ONE
-        };
-        let trim = if own(0) && own(1) { leaf.trim } else { face.trim_root };
-        let (uv, in_window) = face_parameters(net, face.period, root.uv);
-        let inside = trim == TRIM_INSIDE && own(0) && own(1) || in_window && trim_inside(scene, trim, uv);
-        if inside {
-            far = accept(RawHit { distance, instance, face: net.face, net: leaf.net, uv: root.uv })?;
+        let cover = leaf_cover(scene, leaf, net, face, &root);
+        if cover != Cover::Outside {
+            let is_certain = cover == Cover::Inside && !root.footprint.is_grazing;
+            far = accept(RawHit {
+                distance,
+                instance,
+                face: net.face,
+                net: leaf.net,
+                uv: root.uv,
+                is_certain,
+            })?;
         }
     }
     Some(far)
 }
 
-/// Normalised face parameters of a net's local ones, wrapped; whether they lie in the window.
-pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> ([T; 2], bool) {
-    let axis = |k: usize| {
-        let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
-        to_window(p, T::ZERO, T::ONE, T::from_f32(period[k]))
+/// How a root lies to the border of its face. A leaf's own trim state holds on its own domain only.
+fn leaf_cover<T: Kernel>(
+    scene: &Scene<'_>,
+    leaf: &NetLeaf,
+    net: &Net,
+    face: &Face,
+    root: &NetRoot<T>,
+) -> Cover {
+    let (domain, extent) = (leaf_domain::<T>(leaf), root.footprint.extent());
+    let is_own = |k: usize| {
+        let from_low = root.uv[k] - domain.low[k];
+        from_low >= extent[k] && domain.size[k] - from_low >= extent[k]
     };
-    let ((u, u_inside), (v, v_inside)) = (axis(0), axis(1));
-    ([u, v], u_inside && v_inside)
+    if leaf.trim == TRIM_INSIDE && is_own(0) && is_own(1) {
+        return Cover::Inside;
+    }
+    let uv = face_parameters(net, face.period, root.uv);
+    let footprint: Footprint<T> = root.footprint.scaled(net.uv_size.map(T::from_f32));
+    cover(scene, face.trim_root, face.period.map(T::from_f32), uv, [T::ZERO; 2], &footprint)
+}
+
+/// Normalised face parameters of a net's local ones, wrapped.
+pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
+    [0, 1].map(|k| {
+        let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
+        to_window(p, T::from_f32(period[k]))
+    })
 }

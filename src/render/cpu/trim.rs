@@ -14,21 +14,38 @@ const MAX_BISECTIONS: usize = 52;
 /// Levels of a trim tree: each takes at least a word, and planes lie on a grid of 14 bits per axis and level.
 const MAX_LEVELS: usize = 64;
 
+/// What the trim tree says of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TrimPoint {
+    /// Whether the point is inside.
+    pub inside: bool,
+    /// Whether a trim curve, or the border of a cell, may pass the box around the point.
+    pub is_near: bool,
+}
+
 /// Whether `uv`, normalised and within the window, is inside the trims of the tree at `root`.
 pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
+    trim_point(scene, root, uv, [-T::ONE; 2]).inside
+}
+
+/// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve; where the extent is negative it never does.
+pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
     if root == TRIM_INSIDE {
-        return true;
+        return TrimPoint { inside: true, is_near: false };
     }
     let mut node = root as usize;
     let mut low = [0.0_f32; 2];
     let mut size = [1.0_f32; 2];
+    let mut is_near = false;
     for _ in 0..MAX_LEVELS {
         match unpack(scene.trim_nodes[node]) {
             TrimNode::Inner { axis, plane, right } => {
                 let axis = axis as usize;
                 let split = split_position(low[axis], size[axis], plane);
                 let far = right == FAR;
-                let is_right = !(uv[axis] < T::from_f32(split));
+                let beyond = uv[axis] - T::from_f32(split);
+                is_near |= beyond.abs() <= extent[axis];
+                let is_right = !(beyond < T::ZERO);
                 (low[axis], size[axis]) = child_range(low[axis], size[axis], split, is_right);
                 node += match (is_right, far) {
                     (false, false) => 1,
@@ -40,18 +57,27 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
             TrimNode::Leaf { inside, count, first } => {
                 let base = scene.trim_nodes[root as usize - 1] + first;
                 let count = if count == MANY { scene.trim_nodes[node + 1] } else { count };
-                return leaf_parity(scene, inside, base, count, uv);
+                let inside = leaf_parity(scene, inside, base, count, uv, extent, &mut is_near);
+                return TrimPoint { inside, is_near };
             }
         }
     }
-    false
+    TrimPoint { inside: false, is_near: true }
 }
 
-fn leaf_parity<T: Real>(scene: &Scene<'_>, corner: bool, first: u32, count: u32, uv: [T; 2]) -> bool {
+fn leaf_parity<T: Real>(
+    scene: &Scene<'_>,
+    corner: bool,
+    first: u32,
+    count: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    is_near: &mut bool,
+) -> bool {
     let mut inside = corner;
     for index in first..first + count {
         let segment = &scene.trim_segments[index as usize];
-        inside ^= crosses(scene, segment, uv) != crosses_left_edge(segment, uv[1]);
+        inside ^= crosses(scene, segment, uv, extent, is_near) != crosses_left_edge(segment, uv[1]);
     }
     inside
 }
@@ -64,25 +90,56 @@ fn crosses_left_edge<T: Real>(segment: &TrimSegment, v: T) -> bool {
     low != high
 }
 
-/// Whether the segment passes left of the point, at the point's v.
+/// Whether the segment passes left of the point, at the point's v. Sets `is_near` where it passes the box `uv ± extent`.
+///
+/// A monotone segment misses the box where the corner that it would meet first from its left, or from its right, is on the other side of it.
 #[inline]
-fn crosses<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> bool {
+fn crosses<T: Real>(
+    scene: &Scene<'_>,
+    segment: &TrimSegment,
+    uv: [T; 2],
+    extent: [T; 2],
+    is_near: &mut bool,
+) -> bool {
     let low = segment.low.map(T::from_f32);
     let high = segment.high.map(T::from_f32);
-    if !(uv[1] >= low[1] && uv[1] < high[1]) {
+    let at_height = uv[1] >= low[1] && uv[1] < high[1];
+    let reach = extent.map(|e| e.max(T::ZERO));
+    if uv[1] + reach[1] < low[1] || uv[1] - reach[1] > high[1] {
         return false;
     }
-    if uv[0] >= low[0].max(high[0]) {
-        return true;
+    if uv[0] - reach[0] >= low[0].max(high[0]) {
+        return at_height;
     }
-    if uv[0] < low[0].min(high[0]) {
+    if uv[0] + reach[0] < low[0].min(high[0]) {
         return false;
     }
+    if !(extent[0] >= T::ZERO) {
+        return at_height && is_right(scene, segment, uv);
+    }
+    let up = if high[0] >= low[0] { reach[1] } else { -reach[1] };
+    if low[1] < high[1] {
+        if is_right(scene, segment, [uv[0] - reach[0], uv[1] + up]) {
+            return at_height;
+        }
+        if !is_right(scene, segment, [uv[0] + reach[0], uv[1] - up]) {
+            return false;
+        }
+    }
+    *is_near = true;
+    at_height && is_right(scene, segment, uv)
+}
+
+/// Whether the segment, which rises, passes left of the point at the point's v, or at its own end that is nearest to that.
+fn is_right<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> bool {
+    let low = segment.low.map(T::from_f32);
+    let high = segment.high.map(T::from_f32);
+    let v = uv[1].max(low[1]).min(high[1]);
     let degree = segment.flags & TrimSegment::DEGREE_MASK;
     if degree <= 1 {
-        return line_at(low, high, uv[1]) <= uv[0];
+        return line_at(low, high, v) <= uv[0];
     }
-    bisect(scene, segment, degree, low, high, uv)
+    bisect(scene, segment, degree, low, high, [uv[0], v])
 }
 
 /// u of the chord at `v`.
@@ -101,6 +158,9 @@ fn bisect<T: Real>(
 ) -> bool {
     let (mut low, mut high) = (low, high);
     let (mut t_low, mut t_high) = (T::from_f32(segment.t_low), T::from_f32(segment.t_high));
+    if uv[0] >= low[0].max(high[0]) || uv[0] < low[0].min(high[0]) {
+        return uv[0] >= low[0].max(high[0]);
+    }
     for _ in 0..MAX_BISECTIONS {
         let t = (t_low + t_high) * number(0.5);
         if t == t_low || t == t_high {

@@ -53,7 +53,7 @@ pub struct ProbeHit {
     instance: u32,
     face: u32,
     net: u32,
-    reserved: u32,
+    is_certain: u32,
 }
 
 /// What is asked of all rays.
@@ -251,5 +251,6 @@ fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
         face: hit.face,
         net: hit.net,
         uv: hit.uv,
+        is_certain: hit.is_certain != 0,
     })
 }

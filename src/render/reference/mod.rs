@@ -11,8 +11,9 @@ mod widened;
 pub use widened::widened;
 
 use super::cpu::NO_NET;
-use super::cpu::analytic::{carrier_normal, carrier_parameters, carrier_roots, to_window};
+use super::cpu::analytic::{carrier_normal, carrier_parameters, carrier_roots};
 use super::cpu::bernstein::{net_degrees, net_jet};
+use super::cpu::cover::to_window;
 use super::cpu::frames::{FaceFrame, Kernel};
 use super::cpu::hit::finish_hit;
 use super::cpu::ray_space::{
@@ -142,16 +143,14 @@ impl<'a> Reference<'a> {
             let point = origin + direction * roots.t[i];
             let parameters = carrier_parameters(face.kind, point, face.radii);
             let normal = carrier_normal(face.kind, parameters, face.radii).dot(unit);
-            let slack = tolerance / normal.abs();
+            let slack = tolerance.max(2.0 * face.slack) / normal.abs();
             let lengths = parameter_lengths(&face, parameters);
             let inside = |du: f64, dv: f64| {
-                let at = |k: usize, by: f64| {
-                    let margin = by * (slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
-                    to_window(parameters[k] + margin, face.uv_low[k], face.uv_scale[k], face.period[k])
-                };
-                let ((u, u_in), (v, v_in)) = (at(0, du), at(1, dv));
-                let root = self.scene.faces[index as usize].trim_root;
-                (u_in && v_in && trim_inside(&self.scene, root, [u, v]), [u, v])
+                let at = [0, 1].map(|k| {
+                    let by = [du, dv][k] * (slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
+                    to_window((parameters[k] + by - face.uv_low[k]) * face.uv_scale[k], face.period[k])
+                });
+                (self.is_on_face(index, at), at)
             };
             let (is_inside, uv) = inside(0.0, 0.0);
             if !all_alike(is_inside, |du, dv| inside(du, dv).0) {
@@ -159,7 +158,7 @@ impl<'a> Reference<'a> {
             }
             if is_inside {
                 let distance = Distance { anchor: ray.anchor, offset: roots.t[i] };
-                let raw = RawHit { distance, instance, face: index, net: NO_NET, uv };
+                let raw = RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain: true };
                 let (facing, front) = (normal.abs(), normal < 0.0);
                 found.push(Candidate { raw, size, facing, front, on_border: false });
             }
@@ -197,12 +196,11 @@ impl<'a> Reference<'a> {
             let (by_u, by_v) = (slope(jet.by_u), slope(jet.by_v));
             let cross = by_u.cross(by_v);
             let normal = cross.normalize_or_zero().dot(direction);
-            let slack = tolerance / normal.abs() / cross.length();
+            let slack = tolerance.max(2.0 * f64::from(face.slack)) / normal.abs() / cross.length();
             let margins = [slack * by_v.length(), slack * by_u.length()].map(|m| m + PARAMETER_TOLERANCE);
             let inside = |du: f64, dv: f64| {
                 let at = [uv[0] + du * margins[0], uv[1] + dv * margins[1]];
-                let (at, in_window) = face_parameters(net, face.period, at);
-                in_window && trim_inside(scene, face.trim_root, at)
+                self.is_on_face(net.face, face_parameters(net, face.period, at))
             };
             let is_inside = inside(0.0, 0.0);
             if !all_alike(is_inside, inside) {
@@ -212,12 +210,20 @@ impl<'a> Reference<'a> {
                 let t = from_origin.dot(direction) / ray.direction.to_f64().length();
                 let distance = Distance { anchor: ray.anchor, offset: t };
                 let near_end = |k: usize| uv[k] < margins[k] || uv[k] > 1.0 - margins[k];
-                let raw = RawHit { distance, instance, face: net.face, net: index, uv };
+                let raw = RawHit { distance, instance, face: net.face, net: index, uv, is_certain: true };
                 let (facing, front, on_border) = (normal.abs(), normal < 0.0, near_end(0) || near_end(1));
                 found.push(Candidate { raw, size, facing, front, on_border });
             }
         }
         Some(())
+    }
+}
+
+impl Reference<'_> {
+    /// Whether wrapped normalised parameters belong to a face.
+    fn is_on_face(&self, face: u32, uv: [f64; 2]) -> bool {
+        let root = self.scene.faces[face as usize].trim_root;
+        uv.iter().all(|x| (0.0..=1.0).contains(x)) && trim_inside(&self.scene, root, uv)
     }
 }
 

@@ -1,0 +1,67 @@
+//! Whether a hit belongs to a face: the trim window and the trim tree, each as wide as the hit's footprint.
+
+use super::footprint::Footprint;
+use super::trim::{trim_inside, trim_point};
+use super::vector::number;
+use crate::numeric::Real;
+use crate::scene::Scene;
+
+/// How a hit lies to the border of its face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cover {
+    /// It is none.
+    Outside,
+    /// A hit, as near to the border as the slack.
+    Border,
+    /// A hit, whatever the errors.
+    Inside,
+}
+
+/// A normalised parameter, wrapped to where it is nearest to the window [0, 1].
+#[inline]
+pub fn to_window<T: Real>(parameter: T, period: T) -> T {
+    if !(period > T::ZERO) {
+        return parameter;
+    }
+    let p = parameter - (parameter / period).floor() * period;
+    if p > T::ONE && p - T::ONE > period - p { p - period } else { p }
+}
+
+/// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face with the given tree and periods.
+pub fn cover<T: Real>(
+    scene: &Scene<'_>,
+    trim_root: u32,
+    period: [T; 2],
+    at: [T; 2],
+    margin: [T; 2],
+    footprint: &Footprint<T>,
+) -> Cover {
+    let extent = footprint.extent();
+    let reach = [extent[0] + margin[0], extent[1] + margin[1]];
+    // Windows that close in themselves have no border along that axis.
+    let is_open = |k: usize| !(period[k] > T::ZERO) || period[k] > T::ONE + reach[k];
+    let passes_by = |k: usize| at[k] < -reach[k] || at[k] > T::ONE + reach[k];
+    if passes_by(0) || passes_by(1) {
+        return Cover::Outside;
+    }
+    let is_near_end = |k: usize| is_open(k) && (at[k] < reach[k] || at[k] > T::ONE - reach[k]);
+    let clamped = |uv: [T; 2]| uv.map(|x| x.max(T::ZERO).min(T::ONE));
+    let in_window = |uv: [T; 2]| (0..2).all(|k| uv[k] >= -margin[k] && uv[k] <= T::ONE + margin[k]);
+    let center = trim_point(scene, trim_root, clamped(at), extent);
+    let is_inside = center.inside && in_window(at);
+    if !(center.is_near || is_near_end(0) || is_near_end(1)) {
+        return if is_inside { Cover::Inside } else { Cover::Outside };
+    }
+    let belongs = |side: usize| {
+        let [u, v] = footprint.place(at, side);
+        let place = [to_window(u, period[0]), to_window(v, period[1])];
+        in_window(place) && trim_inside(scene, trim_root, clamped(place))
+    };
+    if is_inside || (0..4).any(belongs) { Cover::Border } else { Cover::Outside }
+}
+
+/// What four roundings of `low · scale`, which a normalised parameter was measured from, make of it.
+#[inline]
+pub fn window_margin<T: Real>(low: T, scale: T) -> T {
+    number::<T>(4.0) * T::EPSILON * (low * scale).abs()
+}

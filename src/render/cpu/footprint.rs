@@ -1,0 +1,112 @@
+//! What a ray as wide as a face's slack covers of the face's parameters.
+//!
+//! A face's border is known within its slack, measured beside the ray: across the ray both the errors of hits and the gaps between faces
+//! stay small, while along the surface they grow without bound as the ray gets tangent. A hit therefore counts where any of four places belongs
+//! to the face at which the surface, taken as flat, meets a ray moved sideways by the slack. All faces of a part are tried in the
+//! same directions: where two of them meet, each place is the one's or the other's, so that no ray slips between.
+
+use super::vector::{Vector3, number, vec3};
+use crate::numeric::Real;
+
+/// |cos| of the angle between ray and normal below which two hits may be found as one or not at all (cells of the last level of a leaf's
+/// quadtree are 1/256 of it, and the leaf bends by an eighth of its size).
+const GRAZING: f64 = 1.0 / 1024.0;
+
+/// No footprint is longer than this many slacks: nearer to a tangent the surface's bend ends it.
+const LONGEST: f64 = 4096.0;
+
+/// Parameter offsets.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Footprint<T> {
+    /// Of a ray moved by the slack in two directions at right angles.
+    pub beside: [[T; 2]; 2],
+    /// Whether the ray is too near to a tangent to be sure how often it meets the surface here.
+    pub is_grazing: bool,
+}
+
+impl<T: Real> Footprint<T> {
+    /// In parameters that are `scale` times as great.
+    pub fn scaled(self, scale: [T; 2]) -> Self {
+        Self { beside: self.beside.map(|[u, v]| [u * scale[0], v * scale[1]]), ..self }
+    }
+
+    /// Half the sides of the box around the places at all sides of the ray; at most a quarter of the unit of parameters.
+    pub fn extent(self) -> [T; 2] {
+        let [a, b] = self.beside;
+        let quarter = number::<T>(0.25);
+        [0, 1].map(|k| {
+            let extent = (a[k] * a[k] + b[k] * b[k]).sqrt();
+            if extent < quarter { extent } else { quarter }
+        })
+    }
+
+    /// The place `side` of four around `uv`.
+    pub fn place(self, uv: [T; 2], side: usize) -> [T; 2] {
+        let [u, v] = self.beside[side >> 1];
+        if side & 1 == 0 { [uv[0] + u, uv[1] + v] } else { [uv[0] - u, uv[1] - v] }
+    }
+}
+
+/// Two unit vectors at right angles to `direction` and to each other (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+pub fn sides<T: Real>(direction: Vector3<T>) -> [Vector3<T>; 2] {
+    let d = direction * (T::ONE / direction.length());
+    let sign = if d.z < T::ZERO { -T::ONE } else { T::ONE };
+    let a = -T::ONE / (sign + d.z);
+    let b = d.x * d.y * a;
+    [vec3(T::ONE + sign * d.x * d.x * a, sign * b, -sign * d.x), vec3(b, sign + d.y * d.y * a, -d.y)]
+}
+
+/// The footprint where a ray of any length of `direction` meets a surface with the tangents `s_u` and `s_v`. `sides` are those of the direction, in the
+/// tangents' space.
+pub fn footprint<T: Real>(
+    direction: Vector3<T>,
+    sides: [Vector3<T>; 2],
+    s_u: Vector3<T>,
+    s_v: Vector3<T>,
+    slack: T,
+) -> Footprint<T> {
+    // A ray moved by o meets the surface at s_u du + s_v dv = o + d dt: products with s_v × d and d × s_u leave du and dv.
+    let normal = s_u.cross(s_v);
+    let determinant = direction.dot(normal);
+    let steepness = direction.length() * normal.length();
+    let is_grazing = !(determinant.abs() > steepness * number(GRAZING));
+    let least = steepness * number(1.0 / LONGEST);
+    let divisor = if determinant.abs() > least { determinant } else { least };
+    let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
+    let share = slack / divisor;
+    Footprint { beside: sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]), is_grazing }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_are_at_right_angles() {
+        for d in [[0.0, 0.0, 1.0], [0.0, 0.0, -2.0], [1.0, 2.0, -2.0], [-3.0, 0.5, 0.0]] {
+            let d = Vector3::<f64>::from_f64(d);
+            let [a, b] = sides(d);
+            for (x, y) in [(a, d), (b, d), (a, b)] {
+                assert!(x.dot(y).abs() < 1e-15);
+            }
+            assert!((a.length() - 1.0).abs() < 1e-15 && (b.length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn places_are_where_moved_rays_meet_the_plane() {
+        let (s_u, s_v) = (Vector3::<f64>::from_f64([2.0, 0.0, 0.5]), Vector3::from_f64([1.0, 3.0, 0.0]));
+        let d = Vector3::from_f64([0.3, -0.2, 4.0]);
+        let o = sides(d);
+        let found = footprint(d, o, s_u, s_v, 0.25);
+        assert!(!found.is_grazing);
+        for side in 0..4 {
+            let [u, v] = found.place([0.0; 2], side);
+            let moved = o[side >> 1] * (if side & 1 == 0 { 0.25 } else { -0.25 });
+            let off = s_u * u + s_v * v - moved;
+            assert!(off.cross(d).length() < 1e-14 * d.length(), "{off:?}");
+        }
+        let along = footprint(s_u + s_v, sides(s_u + s_v), s_u, s_v, 0.25);
+        assert!(along.is_grazing && along.extent().iter().all(|e| e.is_finite()));
+    }
+}

@@ -1,0 +1,144 @@
+//! Which of a ray's hits a closed body can have.
+//!
+//! Faces are traced as wide as their slack, so that the hits found hold all true ones; where two faces overlap, or a ray grazes an edge outside the body,
+//! there are more. Those are near a border or near a tangent, and known as such. A line enters and leaves a body in turn: of the uncertain
+//! hits the fewest are left out that make it so. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
+
+use super::Kernel;
+use super::ray_space::Distance;
+use super::trace::RawHit;
+use super::vector::number;
+use crate::scene::Scene;
+
+/// |cos| of the angle between ray and normal below which the side that is hit cannot be told.
+const SIDEWAYS: f64 = 1.0 / 1024.0;
+
+/// A hit and how the ray passes it.
+#[derive(Debug, Clone, Copy)]
+pub struct Crossing<T> {
+    /// The hit.
+    pub hit: RawHit<T>,
+    /// Outward normal times direction, of length at most 1: negative where the ray enters.
+    pub facing: T,
+}
+
+/// Leaves the hits that their bodies can have; `crossings` are in order along the ray, whose origin may be known to lie outside of all bodies.
+pub fn consistent<T: Kernel>(
+    scene: &Scene<'_>,
+    starts_outside: bool,
+    crossings: Vec<Crossing<T>>,
+) -> Vec<Crossing<T>> {
+    if crossings.iter().all(|crossing| crossing.hit.is_certain) {
+        return crossings;
+    }
+    let body = |index: usize| {
+        let hit = &crossings[index].hit;
+        (hit.instance, scene.faces[hit.face as usize].body)
+    };
+    let mut order: Vec<usize> = (0..crossings.len()).collect();
+    order.sort_by_key(|&index| body(index));
+    let mut kept = vec![true; crossings.len()];
+    for of_body in order.chunk_by(|&a, &b| body(a) == body(b)) {
+        let own: Vec<Crossing<T>> = of_body.iter().map(|&index| crossings[index]).collect();
+        let is_solid = scene.metadata.bodies[body(of_body[0]).1 as usize].is_solid;
+        let in_turn = if is_solid { in_turn(&own, starts_outside) } else { None };
+        let stays = in_turn.unwrap_or_else(|| without_overlaps(scene, &own));
+        of_body.iter().zip(stays).for_each(|(&index, stays)| kept[index] = stays);
+    }
+    crossings.into_iter().zip(kept).filter_map(|(crossing, stays)| stays.then_some(crossing)).collect()
+}
+
+/// Which hits stay so that the ray enters and leaves in turn; `None` where the certain ones do not. A body whose faces are all turned inside out
+/// is as good as another.
+fn in_turn<T: Kernel>(crossings: &[Crossing<T>], starts_outside: bool) -> Option<Vec<bool>> {
+    [false, true].into_iter().find_map(|is_turned| fewest_left_out(crossings, starts_outside, is_turned))
+}
+
+/// The search over prefixes: the fewest hits left out of the first ones so that the ray is then outside, or inside.
+fn fewest_left_out<T: Kernel>(
+    crossings: &[Crossing<T>],
+    starts_outside: bool,
+    is_turned: bool,
+) -> Option<Vec<bool>> {
+    const NEVER: u32 = u32::MAX;
+    let mut left_out = [0, if starts_outside { NEVER } else { 0 }];
+    // By hit and by the side it leads to: whether the hit stays.
+    let mut choices = Vec::with_capacity(crossings.len());
+    for Crossing { hit, facing } in crossings {
+        let is_sideways = facing.abs() < number(SIDEWAYS);
+        let enters = (*facing < T::ZERO) != is_turned;
+        // To be outside afterwards the ray leaves, and the other way round.
+        let taken = [
+            if !enters || is_sideways { left_out[1] } else { NEVER },
+            if enters || is_sideways { left_out[0] } else { NEVER },
+        ];
+        let skipped = left_out.map(|n| if hit.is_certain || n == NEVER { NEVER } else { n + 1 });
+        choices.push([0, 1].map(|side| taken[side] <= skipped[side]));
+        left_out = [0, 1].map(|side| taken[side].min(skipped[side]));
+    }
+    if left_out[0] == NEVER {
+        return None;
+    }
+    let mut stays = vec![false; crossings.len()];
+    let mut side = 0;
+    for (index, choice) in choices.iter().enumerate().rev() {
+        stays[index] = choice[side];
+        side = if choice[side] { 1 - side } else { side };
+    }
+    Some(stays)
+}
+
+/// Where nothing is known of inside and outside: one of two neighbouring faces' hits at one place and from one side.
+fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<bool> {
+    let slack = |crossing: &Crossing<T>| number::<T>(scene.faces[crossing.hit.face as usize].slack.into());
+    let mut stays = vec![true; crossings.len()];
+    for index in 1..crossings.len() {
+        let (own, before) = (&crossings[index], &crossings[index - 1]);
+        let apart = Distance::minus(own.hit.distance, before.hit.distance);
+        let steepness = own.facing.abs().min(before.facing.abs()).max(number(SIDEWAYS));
+        stays[index] = own.hit.is_certain
+            || before.hit.is_certain
+            || !stays[index - 1]
+            || own.hit.face == before.hit.face
+            || (own.facing < T::ZERO) != (before.facing < T::ZERO)
+            || apart * steepness > (slack(own) + slack(before)) * number(2.0);
+    }
+    stays
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hit that enters (−1) or leaves (1), certain or not.
+    fn crossing(facing: f32, is_certain: bool) -> Crossing<f32> {
+        let distance = Distance { anchor: 0.0, offset: 0.0 };
+        let hit = RawHit { distance, instance: 0, face: 0, net: 0, uv: [0.0; 2], is_certain };
+        Crossing { hit, facing }
+    }
+
+    fn stays(crossings: &[(f32, bool)]) -> Option<Vec<bool>> {
+        let crossings: Vec<_> = crossings.iter().map(|&(facing, certain)| crossing(facing, certain)).collect();
+        in_turn(&crossings, true)
+    }
+
+    #[test]
+    fn overlaps_are_left_out() {
+        let all = Some(vec![true, true]);
+        assert_eq!(stays(&[(-1.0, true), (1.0, true)]), all);
+        assert_eq!(stays(&[(-1.0, false), (1.0, false)]), all);
+        assert_eq!(stays(&[(-1.0, false), (-1.0, true), (1.0, true)]), Some(vec![false, true, true]));
+        assert_eq!(stays(&[(-1.0, false), (-1.0, false), (1.0, true)]).map(|s| s[2]), Some(true));
+        assert_eq!(stays(&[(-1.0, false)]), Some(vec![false]));
+        assert_eq!(stays(&[(1.0, false), (-1.0, false)]), all, "inside out");
+        assert_eq!(stays(&[(-1e-6, false), (-1.0, true)]).map(|s| s.len()), Some(2));
+    }
+
+    #[test]
+    fn certain_hits_stay() {
+        assert_eq!(stays(&[(-1.0, true)]), None);
+        assert_eq!(stays(&[(-1.0, true), (-1.0, true), (1.0, false)]), None);
+        let from_inside = in_turn(&[crossing(1.0, true)], false);
+        assert_eq!(from_inside, Some(vec![true]));
+    }
+}
