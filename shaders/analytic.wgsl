@@ -5,9 +5,10 @@ struct Roots {
     t: array<f32, 4>,
 }
 
-struct WindowParameter {
-    value: f32,
-    inside: bool,
+// S_u and S_v.
+struct Tangents {
+    u: vec3<f32>,
+    v: vec3<f32>,
 }
 
 fn insert(roots: ptr<function, Roots>, t: f32) {
@@ -125,13 +126,9 @@ fn carrier_parameters(kind: u32, p: vec3<f32>, radii: vec2<f32>) -> vec2<f32> {
     if kind == SPHERE {
         return vec2<f32>(real_atan2(p.y, p.x), real_atan2(p.z, across));
     }
-    let squares = p.z * p.z - radii.y * radii.y;
-    let near = (across - radii.x) * (across - radii.x) + squares;
-    let far = (across + radii.x) * (across + radii.x) + squares;
-    if abs(far) < abs(near) {
-        return vec2<f32>(real_atan2(-p.y, -p.x), real_atan2(p.z, -across - radii.x));
-    }
-    return vec2<f32>(real_atan2(p.y, p.x), real_atan2(p.z, across - radii.x));
+    let tube = tube_place(p, across, radii);
+    let side = select(1.0, -1.0, tube.x < 0.0);
+    return vec2<f32>(real_atan2(p.y * side, p.x * side), real_atan2(p.z, tube.y));
 }
 
 fn carrier_normal(kind: u32, uv: vec2<f32>, radii: vec2<f32>) -> vec3<f32> {
@@ -155,15 +152,40 @@ fn carrier_normal(kind: u32, uv: vec2<f32>, radii: vec2<f32>) -> vec3<f32> {
     return outward;
 }
 
-fn to_window(parameter: f32, low: f32, scale: f32, period: f32) -> WindowParameter {
-    let tolerance = 1.0 / 1048576.0 + 4.0 * EPSILON * abs(low * scale);
-    var p = (parameter - low) * scale;
-    if period > 0.0 {
-        p = p - floor(p / period) * period;
-        if p > period - tolerance && p > 1.0 {
-            p = p - period;
-        }
+fn carrier_tangents(kind: u32, p: vec3<f32>, radii: vec2<f32>) -> Tangents {
+    if kind == PLANE {
+        return Tangents(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0));
     }
-    let inside = p >= -tolerance && p <= 1.0 + tolerance;
-    return WindowParameter(min(max(p, 0.0), 1.0), inside);
+    let around = vec3<f32>(-p.y, p.x, 0.0);
+    if kind == CYLINDER {
+        return Tangents(around, vec3<f32>(0.0, 0.0, 1.0));
+    }
+    let across = length(p.xy);
+    if kind == CONE {
+        let change = radii.y / select(across, -across, radii.x + radii.y * p.z < 0.0);
+        return Tangents(around, vec3<f32>(p.xy * change, 1.0));
+    }
+    if kind == SPHERE {
+        return Tangents(around, vec3<f32>(-p.z * p.xy / across, across));
+    }
+    let tube = tube_place(p, across, radii);
+    return Tangents(around, vec3<f32>(-p.z * p.xy / tube.x, tube.y));
+}
+
+fn carrier_curvature(kind: u32, p: vec3<f32>, radii: vec2<f32>) -> f32 {
+    if kind == PLANE {
+        return 0.0;
+    }
+    let around = 1.0 / length(p.xy);
+    if kind == SPHERE {
+        return 1.0 / radii.x;
+    }
+    return select(around, max(around, 1.0 / radii.y), kind == TORUS);
+}
+
+fn tube_place(p: vec3<f32>, across: f32, radii: vec2<f32>) -> vec2<f32> {
+    let squares = p.z * p.z - radii.y * radii.y;
+    let near = (across - radii.x) * (across - radii.x) + squares;
+    let far = (across + radii.x) * (across + radii.x) + squares;
+    return select(vec2<f32>(across, across - radii.x), vec2<f32>(-across, -across - radii.x), abs(far) < abs(near));
 }

@@ -25,14 +25,14 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
     var origin = o * (1.0 / size);
     let slide = -dot(origin, direction);
     origin = fused(direction, slide, origin);
-    let chord = 1.0 - dot(origin, origin);
-    if !(chord >= 0.0) {
+    let square = 1.0 - dot(origin, origin) + 32.0 * EPSILON;
+    if !(square >= 0.0) {
         return roots;
     }
-    let half_chord = sqrt(chord) * (1.0 + 1e-6) + 1e-6;
+    let half_chord = sqrt(square);
     var bounds = vec2<f32>(-half_chord, half_chord);
     let q = quartic(origin, direction, major / size, minor / size);
-    clip_to_slab(&bounds, origin.z, direction.z, q.minor * (1.0 + 1e-6));
+    clip_to_slab(&bounds, origin.z, direction.z, q.minor + 16.0 * EPSILON);
     if !(bounds.x < bounds.y) {
         return roots;
     }

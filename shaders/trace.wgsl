@@ -8,6 +8,7 @@ struct RawHit {
     face: u32,
     net: u32,
     uv: vec2<f32>,
+    is_certain: bool,
 }
 
 struct Collected {
@@ -19,11 +20,6 @@ struct Collected {
     // Where hits go that are kept in memory, and how many fit.
     first_slot: u32,
     slots: u32,
-}
-
-struct FaceParameters {
-    uv: vec2<f32>,
-    inside: bool,
 }
 
 const NO_NET: u32 = 0xffffffffu;
@@ -86,6 +82,8 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
     let origin = apply_axes(index, ray.origin);
     let direction = apply_axes(index, ray.direction);
     let radii = vec2<f32>(face.radius_0, face.radius_1);
+    let beside = sides(part_ray.direction);
+    let own_beside = Sides(apply_axes(index, beside.first), apply_axes(index, beside.second));
     var roots = carrier_roots(face.kind, origin, direction, radii);
     for (var i = 0u; i < roots.count; i++) {
         let t = roots.t[i];
@@ -93,12 +91,20 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         if !is_between(distance, near, (*collected).far) {
             continue;
         }
-        let parameters = carrier_parameters(face.kind, origin + direction * t, radii);
-        let u = to_window(parameters.x, face.uv_low.x, face.uv_scale.x, face.period.x);
-        let v = to_window(parameters.y, face.uv_low.y, face.uv_scale.y, face.period.y);
-        let uv = vec2<f32>(u.value, v.value);
-        if u.inside && v.inside && trim_inside(face.trim_root, uv) {
-            accept(collected, RawHit(distance, instance, index, NO_NET, uv));
+        let point = origin + direction * t;
+        let at = (carrier_parameters(face.kind, point, radii) - face.uv_low) * face.uv_scale;
+        let uv = vec2<f32>(to_window(at.x, face.period.x), to_window(at.y, face.period.y));
+        let s = carrier_tangents(face.kind, point, radii);
+        let curvature = carrier_curvature(face.kind, point, radii);
+        let print = scaled(footprint(direction, own_beside, s.u, s.v, curvature, face.slack), face.uv_scale);
+        let margin = vec2<f32>(
+            window_margin(face.uv_low.x, face.uv_scale.x),
+            window_margin(face.uv_low.y, face.uv_scale.y),
+        );
+        let covered = cover(index, uv, margin, print);
+        if covered != OUTSIDE {
+            let is_certain = covered == INSIDE && !print.is_grazing;
+            accept(collected, RawHit(distance, instance, index, NO_NET, uv, is_certain));
         }
     }
 }
@@ -115,24 +121,29 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         if !is_between(distance, near, (*collected).far) {
             continue;
         }
-        let high = domain.low + domain.size;
-        let own = ((root.uv >= domain.low) & (root.uv <= high))
-            | ((domain.low == vec2<f32>(0.0)) & (root.uv < vec2<f32>(0.0)))
-            | ((high == vec2<f32>(1.0)) & (root.uv > vec2<f32>(1.0)));
-        var trim = faces[face].trim_root;
-        if all(own) {
-            trim = net_leaves[index].trim;
-        }
-        let p = face_parameters(net, faces[face].period, root.uv);
-        if (all(own) && trim == TRIM_INSIDE) || (p.inside && trim_inside(trim, p.uv)) {
-            accept(collected, RawHit(distance, instance, face, net, root.uv));
+        let covered = leaf_cover(index, domain, root);
+        if covered != OUTSIDE {
+            let is_certain = covered == INSIDE && !root.footprint.is_grazing;
+            accept(collected, RawHit(distance, instance, face, net, root.uv, is_certain));
         }
     }
 }
 
-fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> FaceParameters {
+fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot) -> u32 {
+    let half_box = extent(root.footprint);
+    let from_low = root.uv - domain.low;
+    let is_own = all(from_low >= half_box) && all(domain.size - from_low >= half_box);
+    if net_leaves[leaf].trim == TRIM_INSIDE && is_own {
+        return INSIDE;
+    }
+    let net = net_leaves[leaf].net;
+    let face = nets[net].face;
+    let uv = face_parameters(net, faces[face].period, root.uv);
+    let print = scaled(root.footprint, nets[net].uv_size);
+    return cover(face, uv, vec2<f32>(0.0), print);
+}
+
+fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
     let p = nets[net].uv_low + uv * nets[net].uv_size;
-    let u = to_window(p.x, 0.0, 1.0, period.x);
-    let v = to_window(p.y, 0.0, 1.0, period.y);
-    return FaceParameters(vec2<f32>(u.value, v.value), u.inside && v.inside);
+    return vec2<f32>(to_window(p.x, period.x), to_window(p.y, period.y));
 }

@@ -51,6 +51,7 @@ pub(super) fn bake_face(
     face: &brep::Face,
     outline: &Outline,
     space: &PartSpace,
+    is_alone: bool,
     distortion: f64,
     max_leaves: usize,
 ) -> Result<BakedFace, String> {
@@ -96,7 +97,8 @@ pub(super) fn bake_face(
     let boxes = match &nets {
         Some(nets) => nets.boxes.clone(),
         None => {
-            let bounds = Aabb { min: outline.bounds.min - space.center, max: outline.bounds.max - space.center };
+            let bounds =
+                Aabb { min: outline.bounds.min - space.center, max: outline.bounds.max - space.center };
             vec![bounds.grown(slack)]
         }
     };
@@ -108,7 +110,7 @@ pub(super) fn bake_face(
         y_axis: narrow::vector(carrier.frame.y),
         radius_1: narrow::number(carrier.radii[1]),
         z_axis: narrow::vector(carrier.frame.z),
-        flags: if face.same_sense { 0 } else { Face::REVERSED },
+        flags: if face.same_sense { 0 } else { Face::REVERSED } | if is_alone { Face::ALONE } else { 0 },
         offset: fraction,
         material: 0,
         uv_low: narrow::pair(low),

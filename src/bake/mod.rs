@@ -33,7 +33,9 @@ use self::budget::budget;
 use self::faces::{BakedFace, PartSpace, bake_face};
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
-use crate::brep::{self, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences};
+use crate::brep::{
+    self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
+};
 use crate::numeric::Aabb;
 use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
 use crate::trimming::TrimOptions;
@@ -80,6 +82,8 @@ struct Draft {
     /// Index into the bodies of those parts.
     body: usize,
     id: Id<Face>,
+    /// Whether it is all of a sheet: no face has to meet it.
+    is_alone: bool,
     outline: Result<Outline, String>,
 }
 
@@ -117,7 +121,8 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
             let outline = draft.outline.as_ref().ok()?;
             let face = &model.faces[draft.id];
             let surface = &model.surfaces[face.surface];
-            Some(bake_face(surface, face, outline, &spaces[draft.part], options.distortion, max_leaves))
+            let space = &spaces[draft.part];
+            Some(bake_face(surface, face, outline, space, draft.is_alone, options.distortion, max_leaves))
         })
         .collect();
 
@@ -171,9 +176,12 @@ fn outlines(
         let bodies = &model.parts[part].bodies;
         bodies.iter().map(move |body| (slot, body))
     });
-    let faces: Vec<(usize, usize, Id<Face>)> = bodies
+    let faces: Vec<(usize, usize, bool, Id<Face>)> = bodies
         .enumerate()
-        .flat_map(|(index, (slot, body))| body.faces.iter().map(move |&face| (slot, index, face)))
+        .flat_map(|(index, (slot, body))| {
+            let is_alone = body.kind == BodyKind::Sheet && body.faces.len() == 1;
+            body.faces.iter().map(move |&face| (slot, index, is_alone, face))
+        })
         .collect();
     let budget = budget(model, faces.iter().map(|&(.., id)| id));
     let done = AtomicUsize::new(0);
@@ -181,13 +189,13 @@ fn outlines(
         .par_iter()
         .with_max_len(FACES_PER_TASK)
         .zip(&budget.refusals)
-        .map(|(&(part, body, id), refusal)| {
+        .map(|(&(part, body, is_alone, id), refusal)| {
             let outline = match refusal {
                 None => outline(model, id, &options.trim),
                 Some(reason) => Err((*reason).to_owned()),
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, faces.len());
-            Draft { part, body, id, outline }
+            Draft { part, body, id, is_alone, outline }
         })
         .collect();
     (drafts, budget.patch_points)
@@ -271,7 +279,15 @@ fn gather(
                 });
                 let material = materials.index(face.color);
                 let target = &mut part_drafts[part as usize];
-                let added = assemble::add_face(scene, target, baked, part, draft.body as u32, material, options.keep_f64);
+                let added = assemble::add_face(
+                    scene,
+                    target,
+                    baked,
+                    part,
+                    draft.body as u32,
+                    material,
+                    options.keep_f64,
+                );
                 added.err().map(str::to_owned)
             }
             (Ok(_), None) => Some("it has no outline".to_owned()),

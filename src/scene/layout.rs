@@ -143,7 +143,7 @@ pub struct Face {
     pub radius_1: f32,
     /// Unit vector.
     pub z_axis: [f32; 3],
-    /// Bit 0: the outward normal is `−(S_u × S_v)`.
+    /// [`Face::REVERSED`], [`Face::ALONE`].
     pub flags: u32,
     /// Frame origin in face space, each component within a grid step.
     pub offset: [f32; 3],
@@ -161,7 +161,7 @@ pub struct Face {
     /// Index of the part.
     pub part: u32,
     /// How far beside the ray, part space, the face's border may be off: its distance from the edge in the model, and what f32 rounds of
-    /// a hit and of the trim curves. Positive.
+    /// a hit and of the trim curves.
     pub slack: f32,
     /// Index into `Metadata::bodies`.
     pub body: u32,
@@ -172,6 +172,8 @@ pub struct Face {
 impl Face {
     /// Bit of `flags`: the outward normal is `−(S_u × S_v)`.
     pub const REVERSED: u32 = 1;
+    /// Bit of `flags`: no other face has to meet it, so that nothing beyond its border belongs to it.
+    pub const ALONE: u32 = 2;
 }
 
 /// A rational Bézier patch. 32 bytes.

@@ -9,7 +9,7 @@ fn records_have_their_documented_sizes() {
     assert_eq!(size_of::<BvhNode>(), 80);
     assert_eq!(size_of::<Instance>(), 96);
     assert_eq!(size_of::<Part>(), 16);
-    assert_eq!(size_of::<Face>(), 112);
+    assert_eq!(size_of::<Face>(), 128);
     assert_eq!(size_of::<Net>(), 32);
     assert_eq!(size_of::<NetLeaf>(), 64);
     assert_eq!(size_of::<TrimSegment>(), 32);

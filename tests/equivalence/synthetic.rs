@@ -6,8 +6,8 @@ use std::f32::consts::{PI, TAU};
 use std::time::Duration;
 use trimray::scene::primitive::{Primitive, pack};
 use trimray::scene::{
-    BvhNode, Face, FaceInfo, FaceKind, Instance, InstanceInfo, Material, NO_MATERIAL, Net, NetLeaf, Part,
-    SceneBuffers, TRIM_INSIDE, TrimSegment, trim_node,
+    BodyInfo, BvhNode, Face, FaceInfo, FaceKind, Instance, InstanceInfo, Material, NO_MATERIAL, Net, NetLeaf,
+    Part, SceneBuffers, TRIM_INSIDE, TrimSegment, trim_node,
 };
 
 const GRID_STEP: f64 = 1.0 / 1024.0;
@@ -28,6 +28,7 @@ struct Primitives {
 pub fn every_kind() -> SceneBuffers {
     let mut scene = SceneBuffers::default();
     let mut primitives = Primitives::default();
+    scene.metadata.bodies.push(BodyInfo::default());
     let hole = push_hole(&mut scene);
     let kinds = [FaceKind::Plane, FaceKind::Cylinder, FaceKind::Cone, FaceKind::Sphere, FaceKind::Torus];
     for (index, kind) in kinds.into_iter().enumerate() {
@@ -175,6 +176,9 @@ fn push_analytic(
         period: periods,
         trim_root,
         part: 0,
+        slack: 1e-6,
+        body: 0,
+        reserved: [0; 2],
     });
     scene.metadata.faces.push(FaceInfo {
         entity: 0,
@@ -205,6 +209,9 @@ fn push_net(scene: &mut SceneBuffers, out: &mut Primitives, center: Vec3, trim_r
         period: [0.0; 2],
         trim_root,
         part: 0,
+        slack: 1e-6,
+        body: 0,
+        reserved: [0; 2],
     });
     scene.metadata.faces.push(FaceInfo { entity: 0, uv_low: [0.0; 2], uv_size: [1.0; 2] });
     let net = Net {

@@ -207,6 +207,22 @@ pub fn carrier_tangents<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Ve
     [around, vec3(-p.z * p.x / signed, -p.z * p.y / signed, beyond)]
 }
 
+/// A bound of the normal curvatures at a point of the carrier, in the carrier's frame.
+#[inline]
+pub fn carrier_curvature<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> T {
+    if kind == FaceKind::Plane as u32 {
+        return T::ZERO;
+    }
+    let around = T::ONE / (p.x * p.x + p.y * p.y).sqrt();
+    if kind == FaceKind::Sphere as u32 {
+        T::ONE / radii[0]
+    } else if kind == FaceKind::Torus as u32 {
+        around.max(T::ONE / radii[1])
+    } else {
+        around
+    }
+}
+
 /// Of the two tube circles in the half-plane of a torus' point (the far one counts for spindles) the one it lies on: the point's distance from
 /// the axis, negative on the far one, and how far that is beyond the circle's centre.
 #[inline]

@@ -4,7 +4,7 @@ use super::footprint::Footprint;
 use super::trim::{trim_inside, trim_point};
 use super::vector::number;
 use crate::numeric::Real;
-use crate::scene::Scene;
+use crate::scene::{Face, Scene};
 
 /// How a hit lies to the border of its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,10 +27,10 @@ pub fn to_window<T: Real>(parameter: T, period: T) -> T {
     if p > T::ONE && p - T::ONE > period - p { p - period } else { p }
 }
 
-/// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face with the given tree and periods.
+/// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face.
 pub fn cover<T: Real>(
     scene: &Scene<'_>,
-    trim_root: u32,
+    face: &Face,
     period: [T; 2],
     at: [T; 2],
     margin: [T; 2],
@@ -38,16 +38,15 @@ pub fn cover<T: Real>(
 ) -> Cover {
     let extent = footprint.extent();
     let reach = [extent[0] + margin[0], extent[1] + margin[1]];
-    // Windows that close in themselves have no border along that axis.
-    let is_open = |k: usize| !(period[k] > T::ZERO) || period[k] > T::ONE + reach[k];
     let passes_by = |k: usize| at[k] < -reach[k] || at[k] > T::ONE + reach[k];
     if passes_by(0) || passes_by(1) {
         return Cover::Outside;
     }
-    let is_near_end = |k: usize| is_open(k) && (at[k] < reach[k] || at[k] > T::ONE - reach[k]);
+    // Also where the window closes in itself: beyond a seam the tree goes on at the other end.
+    let is_near_end = |k: usize| at[k] < reach[k] || at[k] > T::ONE - reach[k];
     let clamped = |uv: [T; 2]| uv.map(|x| x.max(T::ZERO).min(T::ONE));
     let in_window = |uv: [T; 2]| (0..2).all(|k| uv[k] >= -margin[k] && uv[k] <= T::ONE + margin[k]);
-    let center = trim_point(scene, trim_root, clamped(at), extent);
+    let center = trim_point(scene, face.trim_root, clamped(at), extent);
     let is_inside = center.inside && in_window(at);
     if !(center.is_near || is_near_end(0) || is_near_end(1)) {
         return if is_inside { Cover::Inside } else { Cover::Outside };
@@ -55,9 +54,10 @@ pub fn cover<T: Real>(
     let belongs = |side: usize| {
         let [u, v] = footprint.place(at, side);
         let place = [to_window(u, period[0]), to_window(v, period[1])];
-        in_window(place) && trim_inside(scene, trim_root, clamped(place))
+        in_window(place) && trim_inside(scene, face.trim_root, clamped(place))
     };
-    if is_inside || (0..4).any(belongs) { Cover::Border } else { Cover::Outside }
+    let is_alone = face.flags & Face::ALONE != 0;
+    if is_inside || !is_alone && (0..4).any(belongs) { Cover::Border } else { Cover::Outside }
 }
 
 /// What four roundings of `low · scale`, which a normalised parameter was measured from, make of it.

@@ -8,11 +8,14 @@
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 
-/// |cos| of the angle between ray and normal below which two hits may be found as one or not at all (cells of the last level of a leaf's
+/// |cos| of the angle between ray and normal below which two hits may always be found as one or not at all (cells of the last level of a leaf's
 /// quadtree are 1/256 of it, and the leaf bends by an eighth of its size).
 const GRAZING: f64 = 1.0 / 1024.0;
 
-/// No footprint is longer than this many slacks: nearer to a tangent the surface's bend ends it.
+/// A ray that goes this many slacks deep into a curved surface may pass it by.
+const SHALLOW: f64 = 4.0;
+
+/// Footprints longer than this many slacks are points: a ray so near to a tangent runs along the surface, and it is for others to stop it.
 const LONGEST: f64 = 4096.0;
 
 /// Parameter offsets.
@@ -56,24 +59,26 @@ pub fn sides<T: Real>(direction: Vector3<T>) -> [Vector3<T>; 2] {
     [vec3(T::ONE + sign * d.x * d.x * a, sign * b, -sign * d.x), vec3(b, sign + d.y * d.y * a, -d.y)]
 }
 
-/// The footprint where a ray of any length of `direction` meets a surface with the tangents `s_u` and `s_v`. `sides` are those of the direction, in the
-/// tangents' space.
+/// The footprint where a ray of any length of `direction` meets a surface with the tangents `s_u` and `s_v` and a normal curvature of at most
+/// `curvature`. `sides` are those of the direction, in the tangents' space.
 pub fn footprint<T: Real>(
     direction: Vector3<T>,
     sides: [Vector3<T>; 2],
     s_u: Vector3<T>,
     s_v: Vector3<T>,
+    curvature: T,
     slack: T,
 ) -> Footprint<T> {
     // A ray moved by o meets the surface at s_u du + s_v dv = o + d dt: products with s_v × d and d × s_u leave du and dv.
     let normal = s_u.cross(s_v);
     let determinant = direction.dot(normal);
     let steepness = direction.length() * normal.length();
-    let is_grazing = !(determinant.abs() > steepness * number(GRAZING));
-    let least = steepness * number(1.0 / LONGEST);
-    let divisor = if determinant.abs() > least { determinant } else { least };
+    // At an angle with this cosine a ray goes cos² / (2 curvature) deep.
+    let cosine = determinant.abs() / steepness;
+    let is_grazing =
+        !(cosine > number(GRAZING) && cosine * cosine > number::<T>(2.0 * SHALLOW) * curvature * slack);
     let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
-    let share = slack / divisor;
+    let share = if cosine > number(1.0 / LONGEST) { slack / determinant } else { T::ZERO };
     Footprint { beside: sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]), is_grazing }
 }
 
@@ -98,7 +103,7 @@ mod tests {
         let (s_u, s_v) = (Vector3::<f64>::from_f64([2.0, 0.0, 0.5]), Vector3::from_f64([1.0, 3.0, 0.0]));
         let d = Vector3::from_f64([0.3, -0.2, 4.0]);
         let o = sides(d);
-        let found = footprint(d, o, s_u, s_v, 0.25);
+        let found = footprint(d, o, s_u, s_v, 0.0, 0.25);
         assert!(!found.is_grazing);
         for side in 0..4 {
             let [u, v] = found.place([0.0; 2], side);
@@ -106,7 +111,7 @@ mod tests {
             let off = s_u * u + s_v * v - moved;
             assert!(off.cross(d).length() < 1e-14 * d.length(), "{off:?}");
         }
-        let along = footprint(s_u + s_v, sides(s_u + s_v), s_u, s_v, 0.25);
+        let along = footprint(s_u + s_v, sides(s_u + s_v), s_u, s_v, 0.0, 0.25);
         assert!(along.is_grazing && along.extent().iter().all(|e| e.is_finite()));
     }
 }

@@ -5,7 +5,6 @@
 //! hits the fewest are left out that make it so. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
 
 use super::Kernel;
-use super::ray_space::Distance;
 use super::trace::RawHit;
 use super::vector::number;
 use crate::scene::Scene;
@@ -88,26 +87,28 @@ fn fewest_left_out<T: Kernel>(
     Some(stays)
 }
 
-/// Where nothing is known of inside and outside: one of two neighbouring faces' hits at one place and from one side.
+/// Where nothing is known of inside and outside: one of two hits at one place and from one side, if not both are certain.
 fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<bool> {
     let slack = |crossing: &Crossing<T>| number::<T>(scene.faces[crossing.hit.face as usize].slack.into());
     let mut stays = vec![true; crossings.len()];
     for index in 1..crossings.len() {
         let (own, before) = (&crossings[index], &crossings[index - 1]);
-        let apart = Distance::minus(own.hit.distance, before.hit.distance);
+        let apart = own.hit.distance.minus(before.hit.distance);
         let steepness = own.facing.abs().min(before.facing.abs()).max(number(SIDEWAYS));
-        stays[index] = own.hit.is_certain
-            || before.hit.is_certain
-            || !stays[index - 1]
-            || own.hit.face == before.hit.face
-            || (own.facing < T::ZERO) != (before.facing < T::ZERO)
-            || apart * steepness > (slack(own) + slack(before)) * number(2.0);
+        let is_same = (own.facing < T::ZERO) == (before.facing < T::ZERO)
+            && apart * steepness <= (slack(own) + slack(before)) * number(2.0);
+        if is_same && !own.hit.is_certain {
+            stays[index] = !stays[index - 1];
+        } else if is_same && !before.hit.is_certain {
+            stays[index - 1] = false;
+        }
     }
     stays
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::ray_space::Distance;
     use super::*;
 
     /// A hit that enters (−1) or leaves (1), certain or not.
@@ -118,7 +119,8 @@ mod tests {
     }
 
     fn stays(crossings: &[(f32, bool)]) -> Option<Vec<bool>> {
-        let crossings: Vec<_> = crossings.iter().map(|&(facing, certain)| crossing(facing, certain)).collect();
+        let crossings: Vec<_> =
+            crossings.iter().map(|&(facing, certain)| crossing(facing, certain)).collect();
         in_turn(&crossings, true)
     }
 
@@ -130,7 +132,8 @@ mod tests {
         assert_eq!(stays(&[(-1.0, false), (-1.0, true), (1.0, true)]), Some(vec![false, true, true]));
         assert_eq!(stays(&[(-1.0, false), (-1.0, false), (1.0, true)]).map(|s| s[2]), Some(true));
         assert_eq!(stays(&[(-1.0, false)]), Some(vec![false]));
-        assert_eq!(stays(&[(1.0, false), (-1.0, false)]), all, "inside out");
+        assert_eq!(stays(&[(1.0, true), (-1.0, true)]), all, "inside out");
+        assert_eq!(stays(&[(1.0, false), (-1.0, false)]), Some(vec![false, false]));
         assert_eq!(stays(&[(-1e-6, false), (-1.0, true)]).map(|s| s.len()), Some(2));
     }
 

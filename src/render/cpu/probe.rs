@@ -83,24 +83,26 @@ pub fn sort_and_merge<T: Kernel>(
     hits.into_iter().map(|crossing| crossing.hit).collect()
 }
 
-/// Leaves one of the hits that neighbouring leaves and nets of one face report twice: same face, same facing, and closer together than the
-/// roundings of t, which grow as the ray gets tangent.
+/// Leaves one of the certain hits that neighbouring leaves and nets of one face report twice: same face, same facing, and closer together than the
+/// face's slack along the ray.
 fn merge_doubles<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
     hits: Vec<RawHit<T>>,
 ) -> Vec<Crossing<T>> {
     let mut kept: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
-    let size = number::<T>(super::ray_space::scene_radius(scene.header));
     for hit in hits {
         let facing = hit_normal(scene, &hit).dot(prepared.ray.direction);
-        let tolerance = size * T::EPSILON * number::<T>(16.0) / facing.abs().max(number(1e-3));
+        let slack = number::<T>(scene.faces[hit.face as usize].slack.into());
+        let tolerance = slack * number(2.0) / facing.abs();
         let mut double = false;
         for other in kept.iter().rev() {
             if hit.distance.minus(other.hit.distance) > tolerance {
                 break;
             }
             double |= hit.net != super::NO_NET
+                && hit.is_certain
+                && other.hit.is_certain
                 && other.hit.face == hit.face
                 && other.hit.instance == hit.instance
                 && (other.facing >= T::ZERO) == (facing >= T::ZERO);

@@ -140,6 +140,7 @@ pub fn scene_of(faces: &[TestFace], placements: &[DAffine3]) -> SceneBuffers {
             half_size: f32s(half),
             ..Header::default()
         },
+        metadata: Metadata { bodies: vec![BodyInfo::default()], ..Metadata::default() },
         materials: vec![Material { rgb: [0.5, 0.55, 0.6], opacity: 1.0 }],
         ..SceneBuffers::default()
     };
@@ -253,7 +254,7 @@ fn add_face(scene: &mut SceneBuffers, face: &TestFace, center: DVec3, step: f64)
         period: period.map(|x| x as f32),
         trim_root: TRIM_INSIDE,
         part: 0,
-        slack: 0.0,
+        slack: (face.bounds(face.low, face.high).diagonal() * 2f64.powi(-21)) as f32,
         body: 0,
         reserved: [0; 2],
     });

@@ -35,14 +35,15 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) ->
     // The closest approach to the centre; outside the sphere and the slab around the torus there is nothing.
     let slide = -origin.dot(direction);
     let origin = direction.fused(slide, origin);
-    let chord = T::ONE - origin.dot(origin);
-    if !(chord >= T::ZERO) {
+    // The torus touches the sphere around it: the chord has to hold the roots there, whatever its square was rounded to.
+    let square = T::ONE - origin.dot(origin) + number::<T>(32.0) * T::EPSILON;
+    if !(square >= T::ZERO) {
         return roots;
     }
-    let half = chord.sqrt() * number(1.0 + 1e-6) + number(1e-6);
+    let half = square.sqrt();
     let (mut from, mut to) = (-half, half);
     let quartic = quartic(origin, direction, major / size, minor / size);
-    clip_to_slab(&mut from, &mut to, origin.z, direction.z, quartic.minor * number(1.0 + 1e-6));
+    clip_to_slab(&mut from, &mut to, origin.z, direction.z, quartic.minor + number::<T>(16.0) * T::EPSILON);
     if !(from < to) {
         return roots;
     }

@@ -1,6 +1,6 @@
 //! From a world ray to hits: the top BVH, the instances' BVHs, the primitives.
 
-use super::analytic::{carrier_parameters, carrier_roots, carrier_tangents};
+use super::analytic::{carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
 use super::bvh::{bvh_ray, next_primitive, start_walk};
 use super::cover::{Cover, cover, to_window, window_margin};
 use super::footprint::{Footprint, footprint, sides};
@@ -155,9 +155,10 @@ fn trace_face<T: Kernel>(
         let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
         let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
         let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
-        let footprint = footprint(direction, beside, s_u, s_v, face.slack).scaled(face.uv_scale);
+        let curvature = carrier_curvature(face.kind, point, face.radii);
+        let footprint = footprint(direction, beside, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
         let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
-        let cover = cover(scene, scene.faces[index as usize].trim_root, face.period, uv, margin, &footprint);
+        let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint);
         if cover != Cover::Outside {
             let is_certain = cover == Cover::Inside && !footprint.is_grazing;
             far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain })?;
@@ -225,7 +226,7 @@ fn leaf_cover<T: Kernel>(
     }
     let uv = face_parameters(net, face.period, root.uv);
     let footprint: Footprint<T> = root.footprint.scaled(net.uv_size.map(T::from_f32));
-    cover(scene, face.trim_root, face.period.map(T::from_f32), uv, [T::ZERO; 2], &footprint)
+    cover(scene, face, face.period.map(T::from_f32), uv, [T::ZERO; 2], &footprint)
 }
 
 /// Normalised face parameters of a net's local ones, wrapped.

@@ -62,7 +62,7 @@ impl Entry {
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 13] = [
+pub const FUNCTION_FILES: [(&str, &str); 18] = [
     ("elementary", include_str!("../../../shaders/elementary.wgsl")),
     ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
@@ -70,8 +70,13 @@ pub const FUNCTION_FILES: [(&str, &str); 13] = [
     ("analytic", include_str!("../../../shaders/analytic.wgsl")),
     ("torus", include_str!("../../../shaders/torus.wgsl")),
     ("bernstein", include_str!("../../../shaders/bernstein.wgsl")),
+    ("planes", include_str!("../../../shaders/planes.wgsl")),
+    ("slab", include_str!("../../../shaders/slab.wgsl")),
+    ("isolate", include_str!("../../../shaders/isolate.wgsl")),
+    ("footprint", include_str!("../../../shaders/footprint.wgsl")),
     ("net", include_str!("../../../shaders/net.wgsl")),
     ("trim", include_str!("../../../shaders/trim.wgsl")),
+    ("cover", include_str!("../../../shaders/cover.wgsl")),
     ("trace", include_str!("../../../shaders/trace.wgsl")),
     ("hit", include_str!("../../../shaders/hit.wgsl")),
     ("camera", include_str!("../../../shaders/camera.wgsl")),
@@ -158,11 +163,12 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 20] = [
+    let words: [(&str, u32); 21] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
+        ("ALONE", Face::ALONE),
         ("NO_MATERIAL", NO_MATERIAL),
         ("TRIM_INSIDE", TRIM_INSIDE),
         ("NET_LEAF_BIT", primitive::NET_LEAF_BIT),

@@ -163,10 +163,9 @@ impl Gpu {
                 continue;
             }
             let raw = kept.iter().map(|hit| raw_hit(hit, &scene.scene)).collect::<Result<Vec<_>, _>>()?;
-            answers[ray.index] = sort_and_merge(&scene.scene, &ray.prepared, raw)
-                .iter()
-                .map(|hit| finish_hit(&scene.scene, hit, ray.prepared.start))
-                .collect();
+            let hits = if wanted.first_only { raw } else { sort_and_merge(&scene.scene, &ray.prepared, raw) };
+            let finish = |hit| finish_hit(&scene.scene, hit, ray.prepared.start);
+            answers[ray.index] = hits.iter().map(finish).collect();
         }
         Ok((crowded, cut_short))
     }

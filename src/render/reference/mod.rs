@@ -147,7 +147,8 @@ impl<'a> Reference<'a> {
             let lengths = parameter_lengths(&face, parameters);
             let inside = |du: f64, dv: f64| {
                 let at = [0, 1].map(|k| {
-                    let by = [du, dv][k] * (slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
+                    let by =
+                        [du, dv][k] * (slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
                     to_window((parameters[k] + by - face.uv_low[k]) * face.uv_scale[k], face.period[k])
                 });
                 (self.is_on_face(index, at), at)

@@ -1,0 +1,60 @@
+// What a ray as wide as a face's slack covers of the face's parameters; the twin of render/cpu/footprint.rs, where the essay is.
+
+const GRAZING: f32 = 1.0 / 1024.0;
+const SHALLOW: f32 = 4.0;
+const LONGEST: f32 = 4096.0;
+
+struct Sides {
+    first: vec3<f32>,
+    second: vec3<f32>,
+}
+
+struct Footprint {
+    first: vec2<f32>,
+    second: vec2<f32>,
+    is_grazing: bool,
+}
+
+fn scaled(print: Footprint, scale: vec2<f32>) -> Footprint {
+    return Footprint(print.first * scale, print.second * scale, print.is_grazing);
+}
+
+fn extent(print: Footprint) -> vec2<f32> {
+    let squares = print.first * print.first + print.second * print.second;
+    return select(vec2<f32>(0.25), sqrt(squares), squares < vec2<f32>(0.0625));
+}
+
+fn place(print: Footprint, uv: vec2<f32>, side: u32) -> vec2<f32> {
+    let beside = select(print.first, print.second, side >= 2u);
+    return uv + select(beside, -beside, (side & 1u) == 1u);
+}
+
+fn sides(direction: vec3<f32>) -> Sides {
+    let d = direction * (1.0 / length(direction));
+    let side = select(1.0, -1.0, d.z < 0.0);
+    let a = -1.0 / (side + d.z);
+    let b = d.x * d.y * a;
+    return Sides(
+        vec3<f32>(1.0 + side * d.x * d.x * a, side * b, -side * d.x),
+        vec3<f32>(b, side + d.y * d.y * a, -d.y),
+    );
+}
+
+fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, curvature: f32, slack: f32) -> Footprint {
+    let normal = cross(s_u, s_v);
+    let determinant = dot(direction, normal);
+    let steepness = length(direction) * length(normal);
+    let cosine = abs(determinant) / steepness;
+    let is_grazing = !(cosine > GRAZING && cosine * cosine > 2.0 * SHALLOW * curvature * slack);
+    let by_u = cross(s_v, direction);
+    let by_v = cross(direction, s_u);
+    var share = 0.0;
+    if cosine > 1.0 / LONGEST {
+        share = slack / determinant;
+    }
+    return Footprint(
+        vec2<f32>(dot(o.first, by_u), dot(o.first, by_v)) * share,
+        vec2<f32>(dot(o.second, by_u), dot(o.second, by_v)) * share,
+        is_grazing,
+    );
+}
