@@ -1,12 +1,17 @@
 //! What the scene tells people about its source.
 
-use crate::brep::{Body, BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity};
+use crate::brep::{
+    Body, BodyKind, Diagnostic, Diagnostics, Id, Model, Occurrence, Part, Severity, is_closed,
+};
 use crate::scene::{self, BodyInfo, Finding, Metadata};
 
 /// Names, units, counts of the model and the bodies of `parts`; parts, faces, instances and diagnostics are the bake's to add.
 pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], parts: &[Id<Part>]) -> Metadata {
     let bodies = parts.iter().flat_map(|&part| &model.parts[part].bodies);
-    let body = |body: &Body| BodyInfo { entity: body.entity, is_solid: body.kind == BodyKind::Solid };
+    let body = |body: &Body| {
+        let is_closed = body.kind == BodyKind::Solid && is_closed(model, body);
+        BodyInfo { entity: body.entity, is_closed }
+    };
     let solids_of =
         |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
     let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();

@@ -293,6 +293,7 @@ fn gather(
             (Ok(_), None) => Some("it has no outline".to_owned()),
         };
         if let Some(reason) = dropped {
+            scene.metadata.bodies[draft.body].is_closed = false;
             let finding = Diagnostic::dropped_face(face.entity, "ADVANCED_FACE", reason);
             findings.push(finding);
         }

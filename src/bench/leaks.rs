@@ -4,7 +4,7 @@
 //! uniform in their logarithm, in random directions. Both start outside.
 
 use super::rays::{chord, on_sphere, unit};
-use crate::brep::{BodyKind, Edge, Id, Model, TrimLoop, occurrences};
+use crate::brep::{Edge, Id, Model, TrimLoop, occurrences};
 use crate::render::Ray;
 use crate::render::cpu::{Precision, probe};
 use crate::scene::Scene;
@@ -20,17 +20,19 @@ const OFFSETS: [f64; 2] = [-9.0, -3.0];
 const POINTS_OF_EDGE: usize = 64;
 
 /// How many rays were odd.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Leaks {
     /// Rays traced.
     pub rays: u64,
     /// Those with an odd number of hits.
     pub odd: u64,
+    /// The first of those, as many as asked for.
+    pub shown: Vec<Ray>,
 }
 
 impl Leaks {
     /// With a confidence of 95 % no more than this share of all such rays is odd (Wilson's upper bound; three by the number where none was).
-    pub fn bound(self) -> f64 {
+    pub fn bound(&self) -> f64 {
         let (n, p) = (self.rays.max(1) as f64, self.odd as f64 / self.rays.max(1) as f64);
         if self.odd == 0 {
             return 3.0 / n;
@@ -41,17 +43,12 @@ impl Leaks {
     }
 }
 
-/// Whether the model is made of solids alone, none of whose faces is missing: then all rays from outside have an even number of hits.
-pub fn is_closed(model: &Model) -> bool {
-    let is_whole = model.declared_faces == model.faces.len();
-    let mut bodies = 0;
-    is_whole
-        && occurrences(model).0.iter().all(|occurrence| {
-            let part = &model.parts[occurrence.part];
-            bodies += part.bodies.len();
-            part.bodies.iter().all(|body| body.kind == BodyKind::Solid)
-        })
-        && bodies > 0
+/// Whether the scene is made of closed solids alone, with all faces of its model: then all rays from outside have an even number of hits.
+pub fn is_closed(model: &Model, scene: &Scene<'_>) -> bool {
+    let bodies = &scene.metadata.bodies;
+    model.declared_faces == model.faces.len()
+        && !bodies.is_empty()
+        && bodies.iter().all(|body| body.is_closed)
 }
 
 /// Points on the edges of every occurrence of a part, world space.
@@ -85,9 +82,15 @@ pub fn edge_points(model: &Model) -> Vec<DVec3> {
     points
 }
 
-/// Odd rays among `count` chords, from number `first` on.
-pub fn count_uniform_leaks(scene: &Scene<'_>, precision: Precision, first: u64, count: u64) -> Leaks {
-    count_odd(scene, precision, first, count, &|index| chord(scene, index))
+/// Odd rays among `count` chords, from number `first` on; keeps `show` of them.
+pub fn count_uniform_leaks(
+    scene: &Scene<'_>,
+    precision: Precision,
+    first: u64,
+    count: u64,
+    show: usize,
+) -> Leaks {
+    count_odd(scene, precision, first, count, show, &|index| chord(scene, index))
 }
 
 /// Odd rays among `count` rays that are aimed at `points`, of which there is at least one.
@@ -97,9 +100,10 @@ pub fn count_aimed_leaks(
     points: &[DVec3],
     first: u64,
     count: u64,
+    show: usize,
 ) -> Leaks {
     let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
-    count_odd(scene, precision, first, count, &|index| {
+    count_odd(scene, precision, first, count, show, &|index| {
         let number = |stream: u64| unit(index, stream);
         let target = points[(number(0) * points.len() as f64) as usize % points.len()];
         let direction = on_sphere(number(1), number(2));
@@ -114,13 +118,19 @@ fn count_odd(
     precision: Precision,
     first: u64,
     count: u64,
+    show: usize,
     ray: &dyn Fn(u64) -> Ray,
 ) -> Leaks {
-    let mut leaks = Leaks { rays: count, odd: 0 };
+    let mut leaks = Leaks { rays: count, ..Leaks::default() };
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         let found = probe(scene, &rays, precision, false);
-        leaks.odd += found.iter().filter(|hits| hits.len() % 2 == 1).count() as u64;
+        for (ray, _) in rays.iter().zip(&found).filter(|(_, hits)| hits.len() % 2 == 1) {
+            leaks.odd += 1;
+            if leaks.shown.len() < show {
+                leaks.shown.push(*ray);
+            }
+        }
     }
     leaks
 }

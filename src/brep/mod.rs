@@ -5,6 +5,7 @@
 //! Parts that occur several times are stored once and referred to by [`Child`] placements.
 
 mod assembly;
+mod closed;
 mod diagnostic;
 mod id;
 mod model;
@@ -13,6 +14,7 @@ mod recognise;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
+pub use closed::is_closed;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use id::{Arena, Id};
 pub use model::{

@@ -286,6 +286,9 @@ pub(super) struct BenchLeaks {
     /// Numbers to compute with [default: both].
     #[arg(long, value_enum)]
     pub(super) precision: Option<PrecisionChoice>,
+    /// Print so many odd rays of each kind, as lines that `probe --rays` reads.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) show: usize,
     /// One JSON object a line.
     #[arg(long)]
     pub(super) json: bool,

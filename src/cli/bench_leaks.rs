@@ -4,6 +4,7 @@ use super::args::{BenchLeaks, PrecisionChoice};
 use crate::bake::{BakeOptions, bake};
 use crate::bench::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 use crate::import::import;
+use crate::render::Ray;
 use crate::render::cpu::Precision;
 use serde::Serialize;
 use std::io::Write;
@@ -26,11 +27,16 @@ struct Count {
     rays: u64,
     odd: u64,
     bound: f64,
+    /// Origins and directions of some odd rays.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    shown: Vec<[[f64; 3]; 2]>,
 }
 
-impl From<Leaks> for Count {
-    fn from(leaks: Leaks) -> Self {
-        Self { rays: leaks.rays, odd: leaks.odd, bound: leaks.bound() }
+impl From<&Leaks> for Count {
+    fn from(leaks: &Leaks) -> Self {
+        let ray = |ray: &Ray| [ray.origin.to_array(), ray.direction.to_array()];
+        let shown = leaks.shown.iter().map(ray).collect();
+        Self { rays: leaks.rays, odd: leaks.odd, bound: leaks.bound(), shown }
     }
 }
 
@@ -50,18 +56,19 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
         let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
         let scene = buffers.scene();
         let points = edge_points(&model);
-        let closed = is_closed(&model);
+        let closed = is_closed(&model, &scene);
         let gap = scene.metadata.largest_gap.map_or(0.0, |gap| gap.distance);
         let half = command.rays / 2;
         for (name, choice, precision) in choices {
             if command.precision.is_some_and(|wanted| wanted != choice) {
                 continue;
             }
-            let uniform = count_uniform_leaks(&scene, precision, command.first, command.rays - half);
+            let uniform =
+                count_uniform_leaks(&scene, precision, command.first, command.rays - half, command.show);
             let aimed = if points.is_empty() {
                 Leaks::default()
             } else {
-                count_aimed_leaks(&scene, precision, &points, command.first, half)
+                count_aimed_leaks(&scene, precision, &points, command.first, half, command.show)
             };
             if command.json {
                 let line = Line {
@@ -69,8 +76,8 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
                     closed,
                     largest_gap: gap,
                     precision: name,
-                    uniform: uniform.into(),
-                    aimed: aimed.into(),
+                    uniform: (&uniform).into(),
+                    aimed: (&aimed).into(),
                 };
                 serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
                 writeln!(out)?;
@@ -87,6 +94,11 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
                     aimed.bound(),
                     path.display()
                 )?;
+                for ray in uniform.shown.iter().chain(&aimed.shown) {
+                    let [ox, oy, oz] = ray.origin.to_array();
+                    let [dx, dy, dz] = ray.direction.to_array();
+                    writeln!(out, "{ox} {oy} {oz} {dx} {dy} {dz}")?;
+                }
             }
             out.flush()?;
         }

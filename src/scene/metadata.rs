@@ -99,8 +99,8 @@ pub struct PartInfo {
 pub struct BodyInfo {
     /// The file's entity number.
     pub entity: u64,
-    /// Whether its faces enclose a volume.
-    pub is_solid: bool,
+    /// Whether its faces enclose a volume: a solid all of whose faces are here and meet in all of their edges.
+    pub is_closed: bool,
 }
 
 /// A face.

@@ -1,7 +1,7 @@
 //! Which of a ray's hits a closed body can have.
 //!
 //! Faces are traced as wide as their slack, so that the hits found hold all true ones; where two faces overlap, or a ray grazes an edge outside the body,
-//! there are more. Those are near a border or near a tangent, and known as such. A line enters and leaves a body in turn: of the uncertain
+//! there are more. Those are near a border or near a tangent, and known as such. A line leaves a body as often as it enters: of the uncertain
 //! hits the fewest are left out that make it so. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
 
 use super::Kernel;
@@ -11,6 +11,9 @@ use crate::scene::Scene;
 
 /// |cos| of the angle between ray and normal below which the side that is hit cannot be told.
 const SIDEWAYS: f64 = 1.0 / 1024.0;
+
+/// How many times a ray may enter a body before it leaves.
+const DEEPEST: usize = 8;
 
 /// A hit and how the ray passes it.
 #[derive(Debug, Clone, Copy)]
@@ -39,50 +42,65 @@ pub fn consistent<T: Kernel>(
     let mut kept = vec![true; crossings.len()];
     for of_body in order.chunk_by(|&a, &b| body(a) == body(b)) {
         let own: Vec<Crossing<T>> = of_body.iter().map(|&index| crossings[index]).collect();
-        let is_solid = scene.metadata.bodies[body(of_body[0]).1 as usize].is_solid;
-        let in_turn = if is_solid { in_turn(&own, starts_outside) } else { None };
+        let is_closed = scene.metadata.bodies[body(of_body[0]).1 as usize].is_closed;
+        let in_turn = if is_closed { in_turn(&own, starts_outside) } else { None };
         let stays = in_turn.unwrap_or_else(|| without_overlaps(scene, &own));
         of_body.iter().zip(stays).for_each(|(&index, stays)| kept[index] = stays);
     }
     crossings.into_iter().zip(kept).filter_map(|(crossing, stays)| stays.then_some(crossing)).collect()
 }
 
-/// Which hits stay so that the ray enters and leaves in turn; `None` where the certain ones do not. A body whose faces are all turned inside out
-/// is as good as another.
+/// Which hits stay so that the ray leaves as often as it enters; `None` where the certain ones do not.
+///
+/// Enters and leaves in turn, if that can be; else up to [`DEEPEST`] times before it leaves, for some solids overlap themselves or have voids
+/// turned the wrong way. A body whose faces are all turned inside out is as good as another.
 fn in_turn<T: Kernel>(crossings: &[Crossing<T>], starts_outside: bool) -> Option<Vec<bool>> {
-    [false, true].into_iter().find_map(|is_turned| fewest_left_out(crossings, starts_outside, is_turned))
+    let ways = (1..=DEEPEST).flat_map(|deepest| [false, true].map(|is_turned| (deepest, is_turned)));
+    ways.into_iter()
+        .find_map(|(deepest, is_turned)| fewest_left_out(crossings, starts_outside, deepest, is_turned))
 }
 
-/// The search over prefixes: the fewest hits left out of the first ones so that the ray is then outside, or inside.
+/// The search over prefixes: the fewest hits left out of the first ones so that the ray has then entered so many times more than left.
 fn fewest_left_out<T: Kernel>(
     crossings: &[Crossing<T>],
     starts_outside: bool,
+    deepest: usize,
     is_turned: bool,
 ) -> Option<Vec<bool>> {
     const NEVER: u32 = u32::MAX;
-    let mut left_out = [0, if starts_outside { NEVER } else { 0 }];
-    // By hit and by the side it leads to: whether the hit stays.
-    let mut choices = Vec::with_capacity(crossings.len());
+    // By depth, as far as `deepest`.
+    let mut left_out = [NEVER; DEEPEST + 1];
+    left_out[..=if starts_outside { 0 } else { deepest }].fill(0);
+    // By hit and by the depth it leads to: the depth it comes from, where the hit stays.
+    let mut choices: Vec<[Option<usize>; DEEPEST + 1]> = Vec::with_capacity(crossings.len());
     for Crossing { hit, facing } in crossings {
         let is_sideways = facing.abs() < number(SIDEWAYS);
         let enters = (*facing < T::ZERO) != is_turned;
-        // To be outside afterwards the ray leaves, and the other way round.
-        let taken = [
-            if !enters || is_sideways { left_out[1] } else { NEVER },
-            if enters || is_sideways { left_out[0] } else { NEVER },
-        ];
-        let skipped = left_out.map(|n| if hit.is_certain || n == NEVER { NEVER } else { n + 1 });
-        choices.push([0, 1].map(|side| taken[side] <= skipped[side]));
-        left_out = [0, 1].map(|side| taken[side].min(skipped[side]));
+        let before = left_out;
+        let mut choice = [None; DEEPEST + 1];
+        for depth in 0..=deepest {
+            left_out[depth] = if hit.is_certain { NEVER } else { before[depth].saturating_add(1) };
+            let outer = depth.checked_sub(1).filter(|_| enters || is_sideways);
+            let inner = Some(depth + 1).filter(|&inner| inner <= deepest && (!enters || is_sideways));
+            for from in [outer, inner].into_iter().flatten() {
+                if before[from] < NEVER && before[from] <= left_out[depth] {
+                    left_out[depth] = before[from];
+                    choice[depth] = Some(from);
+                }
+            }
+        }
+        choices.push(choice);
     }
     if left_out[0] == NEVER {
         return None;
     }
     let mut stays = vec![false; crossings.len()];
-    let mut side = 0;
+    let mut depth = 0;
     for (index, choice) in choices.iter().enumerate().rev() {
-        stays[index] = choice[side];
-        side = if choice[side] { 1 - side } else { side };
+        if let Some(from) = choice[depth] {
+            stays[index] = true;
+            depth = from;
+        }
     }
     Some(stays)
 }
@@ -141,6 +159,8 @@ mod tests {
     fn certain_hits_stay() {
         assert_eq!(stays(&[(-1.0, true)]), None);
         assert_eq!(stays(&[(-1.0, true), (-1.0, true), (1.0, false)]), None);
+        let nested = [(-1.0, true), (-1.0, true), (-1.0, false), (1.0, false), (1.0, true)];
+        assert_eq!(stays(&nested), Some(vec![true, true, false, true, true]));
         let from_inside = in_turn(&[crossing(1.0, true)], false);
         assert_eq!(from_inside, Some(vec![true]));
     }
