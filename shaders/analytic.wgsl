@@ -67,8 +67,8 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
     let closest = fused(d, slide, o);
     let distance = length(closest);
     let under_root = (radius - distance) * (radius + distance);
-    if under_root >= 0.0 {
-        let half_chord = sqrt(under_root / dd);
+    if under_root >= -8.0 * EPSILON * radius * (radius + length(o)) {
+        let half_chord = sqrt(max(under_root, 0.0) / dd);
         insert(&roots, slide - half_chord);
         insert(&roots, slide + half_chord);
     }
@@ -78,7 +78,7 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
 fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     var roots = Roots();
     var slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    slide = select(0.0, slide, is_finite(slide));
+    slide = select(0.0, slide, abs(slide) * length(d) <= 2.0 * (length(o) + abs(radius)));
     let p = fused(d, slide, o);
     let rho = radius + slope * p.z;
     let drho = slope * d.z;
@@ -86,8 +86,9 @@ fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     let b = (p.x * d.x + p.y * d.y) - rho * drho;
     let c = (p.x * p.x + p.y * p.y) - rho * rho;
     let discriminant = b * b - a * c;
-    if discriminant >= 0.0 {
-        let q = -(b + signum(b) * sqrt(discriminant));
+    let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
+    if discriminant >= -8.0 * EPSILON * terms {
+        let q = -(b + signum(b) * sqrt(max(discriminant, 0.0)));
         insert(&roots, slide + polish_cone(p, d, radius, slope, q / a));
         insert(&roots, slide + polish_cone(p, d, radius, slope, c / q));
     }

@@ -12,6 +12,10 @@ fn to_window(parameter: f32, period: f32) -> f32 {
     return select(p, p - period, p > 1.0 && p - 1.0 > period - p);
 }
 
+fn is_far_outside(uv: vec2<f32>) -> bool {
+    return !(all(uv > vec2<f32>(-0.5)) && all(uv < vec2<f32>(1.5)));
+}
+
 // The twin's centre and its four places are one loop here, so that the walk down the tree stands once.
 fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
     let half_box = extent(print);

@@ -48,10 +48,7 @@ fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, cur
     let is_grazing = !(cosine > GRAZING && cosine * cosine > 2.0 * SHALLOW * curvature * slack);
     let by_u = cross(s_v, direction);
     let by_v = cross(direction, s_u);
-    var share = 0.0;
-    if cosine > 1.0 / LONGEST {
-        share = slack / determinant;
-    }
+    let share = slack / select(steepness * (1.0 / LONGEST), determinant, cosine > 1.0 / LONGEST);
     return Footprint(
         vec2<f32>(dot(o.first, by_u), dot(o.first, by_v)) * share,
         vec2<f32>(dot(o.second, by_u), dot(o.second, by_v)) * share,

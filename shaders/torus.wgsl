@@ -47,9 +47,19 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
         if root.found {
             insert(&roots, (root.t + slide) * size / norm);
         }
+        if i < cuts.count && is_touching(q, high) {
+            insert(&roots, (high + slide) * size / norm);
+            insert(&roots, (high + slide) * size / norm);
+        }
         low = high;
     }
     return roots;
+}
+
+fn is_touching(q: Quartic, t: f32) -> bool {
+    let least = value(q, t);
+    let reach = 1.0 + q.major;
+    return least > 0.0 && least <= 16.0 * EPSILON * q.minor * reach * reach && curvature(q, t) > 0.0;
 }
 
 fn quartic(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Quartic {

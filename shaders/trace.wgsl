@@ -94,6 +94,9 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         let point = origin + direction * t;
         let at = (carrier_parameters(face.kind, point, radii) - face.uv_low) * face.uv_scale;
         let uv = vec2<f32>(to_window(at.x, face.period.x), to_window(at.y, face.period.y));
+        if is_far_outside(uv) {
+            continue;
+        }
         let s = carrier_tangents(face.kind, point, radii);
         let curvature = carrier_curvature(face.kind, point, radii);
         let print = scaled(footprint(direction, own_beside, s.u, s.v, curvature, face.slack), face.uv_scale);

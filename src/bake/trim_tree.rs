@@ -7,8 +7,8 @@
 //! of these are comparisons of shared f32 vertices, those that the clip at s makes among them, so states are as exact as the chains are closed.
 //!
 //! Some pieces need no storage: those along a cell's edges (on the left edge one is left of every point and of the walk, on the right edge right of
-//! every point; the walk starts above the bottom edge and ends below the top edge) and, in leaves, horizontals that do not start on the left edge,
-//! for nothing can cross them sideways. A horizontal that starts on the left edge is kept for its flag.
+//! every point; the walk starts above the bottom edge and ends below the top edge). Horizontals inside a cell are kept, though nothing can cross them
+//! sideways: those that start on the left edge for their flag, all so that points near them are known to be near a border.
 //!
 //! Planes are chosen by the surface-area heuristic (Sloup and Havran 2021, eq. 2) over piece boxes, then by their median-split rule.
 
@@ -115,7 +115,6 @@ impl Builder<'_> {
         let may_split = levels > 0 && pieces.len() * 2 <= budget;
         let split = if may_split { choose_split(&cell, &pieces) } else { None };
         let Some((axis, plane, position)) = split else {
-            pieces.retain(|piece| piece.low[1] != piece.high[1] || piece.low[0] == cell.low[0]);
             return self.emit_leaf(&cell, &pieces, inside);
         };
         let mut near = Vec::with_capacity(pieces.len());

@@ -236,7 +236,7 @@ pub struct NetLeaf {
 /// * `left_edge(p)`: exclusive or over the flagged ends (on the cell's left edge) of `p.v >= v of that end`.
 ///
 /// Why: walk from the corner up just inside the left edge, then right to p. The second leg meets the pieces that `crosses` counts; the first
-/// meets those that leave through the left edge below p. Horizontal pieces are stored only for their flag and never cross.
+/// meets those that leave through the left edge below p. Horizontal pieces never cross; they are stored for their flag, and for points that ask what is near.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct TrimSegment {

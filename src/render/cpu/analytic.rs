@@ -90,8 +90,9 @@ fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots
     let closest = d.fused(slide, o);
     let distance = closest.length();
     let under_root = (radius - distance) * (radius + distance);
-    if under_root >= T::ZERO {
-        let half = (under_root / dd).sqrt();
+    // What roundings keep from 0 touches.
+    if under_root >= -number::<T>(8.0) * T::EPSILON * radius * (radius + o.length()) {
+        let half = (under_root.max(T::ZERO) / dd).sqrt();
         roots.insert(slide - half);
         roots.insert(slide + half);
     }
@@ -105,16 +106,20 @@ fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots
 #[inline]
 pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) -> Roots<T> {
     let mut roots = Roots::none();
+    // The closest approach to the axis, unless it is far off, as it is for rays along the axis.
     let slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    let slide = if slide.is_finite() { slide } else { T::ZERO };
+    let is_near = slide.abs() * d.length() <= number::<T>(2.0) * (o.length() + radius.abs());
+    let slide = if is_near { slide } else { T::ZERO };
     let p = d.fused(slide, o);
     let (rho, drho) = (radius + slope * p.z, slope * d.z);
     let a = (d.x * d.x + d.y * d.y) - drho * drho;
     let b = (p.x * d.x + p.y * d.y) - rho * drho;
     let c = (p.x * p.x + p.y * p.y) - rho * rho;
     let discriminant = b * b - a * c;
-    if discriminant >= T::ZERO {
-        let q = -(b + b.signum() * discriminant.sqrt());
+    // What roundings keep from 0 touches.
+    let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
+    if discriminant >= -number::<T>(8.0) * T::EPSILON * terms {
+        let q = -(b + b.signum() * discriminant.max(T::ZERO).sqrt());
         roots.insert(slide + polish_cone(p, d, radius, slope, q / a));
         roots.insert(slide + polish_cone(p, d, radius, slope, c / q));
     }

@@ -27,6 +27,13 @@ pub fn to_window<T: Real>(parameter: T, period: T) -> T {
     if p > T::ONE && p - T::ONE > period - p { p - period } else { p }
 }
 
+/// Whether a place is outside of the window whatever the footprint, which reaches a quarter of the window at most.
+#[inline]
+pub fn is_far_outside<T: Real>(uv: [T; 2]) -> bool {
+    let half = number::<T>(0.5);
+    !uv.iter().all(|&x| x > -half && x < T::ONE + half)
+}
+
 /// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face.
 pub fn cover<T: Real>(
     scene: &Scene<'_>,

@@ -15,7 +15,7 @@ const GRAZING: f64 = 1.0 / 1024.0;
 /// A ray that goes this many slacks deep into a curved surface may pass it by.
 const SHALLOW: f64 = 4.0;
 
-/// Footprints longer than this many slacks are points: a ray so near to a tangent runs along the surface, and it is for others to stop it.
+/// No footprint is longer than this many slacks: nearer to a tangent the surface's bend ends it.
 const LONGEST: f64 = 4096.0;
 
 /// Parameter offsets.
@@ -78,7 +78,8 @@ pub fn footprint<T: Real>(
     let is_grazing =
         !(cosine > number(GRAZING) && cosine * cosine > number::<T>(2.0 * SHALLOW) * curvature * slack);
     let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
-    let share = if cosine > number(1.0 / LONGEST) { slack / determinant } else { T::ZERO };
+    let least = steepness * number(1.0 / LONGEST);
+    let share = slack / if cosine > number(1.0 / LONGEST) { determinant } else { least };
     Footprint { beside: sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]), is_grazing }
 }
 

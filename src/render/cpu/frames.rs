@@ -47,6 +47,8 @@ pub struct FaceFrame<T> {
 
 /// The number types of the kernels.
 pub trait Kernel: Real {
+    /// Newton steps to a double root: half the bits, and some on the way there.
+    const TANGENT_STEPS: u32;
     /// Reads an instance.
     fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<Self>;
     /// Reads a face.
@@ -56,6 +58,7 @@ pub trait Kernel: Real {
 }
 
 impl Kernel for f32 {
+    const TANGENT_STEPS: u32 = 16;
     #[inline]
     fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<f32> {
         let instance = &scene.instances[index as usize];
@@ -90,6 +93,7 @@ impl Kernel for f32 {
 }
 
 impl Kernel for f64 {
+    const TANGENT_STEPS: u32 = 32;
     fn instance(scene: &Scene<'_>, index: u32) -> InstanceFrame<f64> {
         let (narrow, exact) = (&scene.instances[index as usize], &scene.instances_f64[index as usize]);
         InstanceFrame {

@@ -179,9 +179,10 @@ fn search<T: Kernel>(
 ) {
     let LeafRay { leaf, net, domain, ray, planes, slack } = at;
     let mut uv = start;
-    // Quadratic convergence: a step this small leaves its square. Near tangents it is slower, so steps have to be smaller.
+    // Quadratic convergence: a step this small leaves its square. Near tangents steps halve, so they have to be smaller and may be as many as there
+    // are bits, half of which a double root has.
     let small = if unique { T::EPSILON.sqrt() } else { T::EPSILON.sqrt() * number(1.0 / 64.0) };
-    let limit = if unique { 10 } else { 16 };
+    let limit = if unique { 10 } else { T::TANGENT_STEPS };
     let mut converged = false;
     for _ in 0..limit {
         let jet = net_jet(scene, net, ray.origin, uv);

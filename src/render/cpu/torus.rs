@@ -54,9 +54,24 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) ->
         if let Some(t) = root_between(low, high, |t| value(&quartic, t), |t| slope(&quartic, t)) {
             roots.insert((t + slide) * size / length);
         }
+        // A least value that is positive by rounding alone: the line touches.
+        if i < cuts.count && is_touching(&quartic, high) {
+            roots.insert((high + slide) * size / length);
+            roots.insert((high + slide) * size / length);
+        }
         low = high;
     }
     roots
+}
+
+/// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
+/// some `ε r`, and the second is at most `(1 + R)²`.
+fn is_touching<T: Real>(q: &Quartic<T>, t: T) -> bool {
+    let least = value(q, t);
+    let reach = T::ONE + q.major;
+    least > T::ZERO
+        && least <= number::<T>(16.0) * T::EPSILON * q.minor * reach * reach
+        && curvature(q, t) > T::ZERO
 }
 
 fn quartic<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) -> Quartic<T> {

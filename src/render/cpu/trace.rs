@@ -2,7 +2,7 @@
 
 use super::analytic::{carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
 use super::bvh::{bvh_ray, next_primitive, start_walk};
-use super::cover::{Cover, cover, to_window, window_margin};
+use super::cover::{Cover, cover, is_far_outside, to_window, window_margin};
 use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
 use super::net::{NetRoot, leaf_domain, leaf_roots};
@@ -154,6 +154,9 @@ fn trace_face<T: Kernel>(
         let parameters = carrier_parameters(face.kind, point, face.radii);
         let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
         let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
+        if is_far_outside(uv) {
+            continue;
+        }
         let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
         let curvature = carrier_curvature(face.kind, point, face.radii);
         let footprint = footprint(direction, beside, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
