@@ -41,7 +41,7 @@ fn next_cell(cell: ptr<function, Cell>) -> bool {
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let a = net_leaves[at.leaf].tangent_u;
     let b = net_leaves[at.leaf].tangent_v;
-    let bend = f32(net_leaves[at.leaf].certificate >> 24u) * (1.0 / 64.0) * min(length(a), length(b));
+    let bend = bend_bound(net_leaves[at.leaf].certificate >> 24u) * min(length(a), length(b));
     let size = greatest(net_leaves[at.leaf].center) + greatest(at.ray.origin) + greatest(a) + greatest(b);
     let rounding = size * 32.0 * EPSILON;
     let scale = 1.0 / jet.value.w;

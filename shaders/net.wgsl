@@ -164,7 +164,8 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, roots: ptr<function, Net
     let from_origin = jet.value.xyz * scale;
     let s_u = (jet.by_u.xyz - from_origin * jet.by_u.w) * scale;
     let s_v = (jet.by_v.xyz - from_origin * jet.by_v.w) * scale;
-    let print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, leaf_curvature(at.leaf), at.slack);
+    var print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, leaf_curvature(at.leaf), at.slack);
+    print.is_grazing |= !search.converged;
     let half_box = extent(print);
     let on_net = max(half_box, vec2<f32>(OVERLAP));
     let on_leaf = max(half_box, select(0.5, 1.0 / 64.0, search.unique) * at.domain.size);
@@ -174,14 +175,15 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, roots: ptr<function, Net
     let miss = greatest(from_origin - at.ray.direction * t);
     let size = greatest(net_leaves[at.leaf].tangent_u) + greatest(net_leaves[at.leaf].tangent_v);
     let rounding = (size + greatest(from_origin + at.ray.origin)) * EPSILON;
-    if is_own && miss <= rounding * select(64.0, 4096.0, search.converged) {
+    let tolerance = select(max(rounding * 64.0, at.slack * 0.25), rounding * 4096.0, search.converged);
+    if is_own && miss <= tolerance {
         add_root(roots, NetRoot(uv, t, print), at.domain);
     }
 }
 
 fn leaf_curvature(leaf: u32) -> f32 {
     let shorter = min(length(net_leaves[leaf].tangent_u), length(net_leaves[leaf].tangent_v));
-    return f32(net_leaves[leaf].certificate >> 24u) * (1.0 / 64.0) / shorter;
+    return bend_bound(net_leaves[leaf].certificate >> 24u) / shorter;
 }
 
 fn is_within(uv: vec2<f32>, domain: Domain, margin: f32) -> bool {

@@ -100,3 +100,7 @@ fn certificate(leaf: u32) -> vec3<f32> {
     let bytes = (vec3<u32>(net_leaves[leaf].certificate) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(0xffu);
     return select(vec3<f32>(bytes) / 64.0, vec3<f32>(1e30), bytes == vec3<u32>(255u));
 }
+
+fn bend_bound(byte: u32) -> f32 {
+    return bitcast<f32>((byte + (121u << 3u)) << 20u);
+}

@@ -9,7 +9,7 @@ use super::narrow;
 use super::tensor::Tensor;
 use crate::geometry::{BezierPatch, Homogeneous};
 use crate::numeric::Aabb;
-use crate::scene::NetLeaf;
+use crate::scene::{NetLeaf, bend_byte};
 use glam::{DMat3, DVec3};
 
 /// Tangents shorter than this share of the patch's size, or nearly parallel ones (sine), span no usable frame.
@@ -257,10 +257,11 @@ fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2
     let e_beta = deviation(&axes[1], 0, 0.0) + deviation(&axes[1], 1, 1.0);
     let e_gamma = (deviation(&axes[2], 0, 0.0) + deviation(&axes[2], 1, 0.0)) / shortest;
     let second = second_derivatives(patch, middle, &weight) / shortest;
-    [e_alpha, e_beta, e_gamma, second]
+    let contraction = [e_alpha, e_beta, e_gamma]
         .into_iter()
         .enumerate()
-        .fold(0, |word, (byte, bound)| word | narrow::bound_byte(bound + SLACK) << (8 * byte))
+        .fold(0, |word, (byte, bound)| word | narrow::bound_byte(bound + SLACK) << (8 * byte));
+    contraction | bend_byte(narrow::above(second + SLACK)) << 24
 }
 
 /// A bound of `|S_ss| + 2 |S_st| + |S_tt|`.

@@ -213,7 +213,8 @@ pub struct NetLeaf {
     pub tangent_v: [f32; 3],
     /// Excess over ½.
     pub extent_v: f32,
-    /// Bounds over the leaf, a byte each, from low to high E_α, E_β, E_γ, M, in units of 1/64 and rounded up; 255: no bound.
+    /// Bounds over the leaf, a byte each, from low to high E_α, E_β, E_γ in units of 1/64, and M as in [`bend_byte`], rounded up; 255: no
+    /// bound.
     ///
     /// With S over s, t in [0, 1] across the leaf, and α, β, γ the coordinates above (γ along the unit normal):
     /// `E_α >= max|α_s − 1| + max|α_t|`, `E_β >= max|β_s| + max|β_t − 1|`, `E_γ >= (max|γ_s| + max|γ_t|) / m`,
@@ -227,6 +228,23 @@ pub struct NetLeaf {
     /// [`TRIM_INSIDE`] where no trim test is needed, else a root in `trim_nodes` (that of the face).
     pub trim: u32,
 }
+
+/// The byte of a bound M: the highest 8 of the 12 bits that are left of an f32's exponent and fraction, counted from 2⁻⁶. The least that
+/// is not below the bound, at most an eighth above it; 255 where there is none.
+pub fn bend_byte(bound: f32) -> u32 {
+    let steps = (bound.to_bits() + ((1 << 20) - 1)) >> 20;
+    let byte = steps.saturating_sub(BEND_BIAS);
+    if bound >= 0.0 && byte < 255 { byte } else { 255 }
+}
+
+/// The bound of a byte.
+#[inline(always)]
+pub fn bend_bound(byte: u32) -> f32 {
+    f32::from_bits((byte + BEND_BIAS) << 20)
+}
+
+/// The upper 12 bits of 2⁻⁶.
+const BEND_BIAS: u32 = 121 << 3;
 
 /// A piece of a trim curve inside one kd-tree cell; monotone in u and in v. 32 bytes.
 ///

@@ -19,6 +19,16 @@ fn records_have_their_documented_sizes() {
 }
 
 #[test]
+fn bytes_of_bends_round_up() {
+    for bound in [0.0, 1e-9, 0.0156, 0.5, 0.51, 1.0, 3.99, 77.0, 1e6, 3.1e7] {
+        let byte = bend_byte(bound);
+        assert!(byte < 255 && bend_bound(byte) >= bound && (byte == 0 || bend_bound(byte - 1) < bound));
+        assert!(bend_bound(byte) <= (bound * 1.125).max(1.0 / 64.0), "{bound}");
+    }
+    assert!([1e9, f32::INFINITY, f32::NAN, -1.0].iter().all(|&bound| bend_byte(bound) == 255));
+}
+
+#[test]
 fn bvh_nodes_are_those_of_obvhs() {
     use obvhs::cwbvh::node::CwBvhNode;
     assert_eq!(size_of::<BvhNode>(), size_of::<CwBvhNode>());

@@ -14,6 +14,7 @@ use super::net::LeafRay;
 use super::planes::plane_values;
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
+use crate::scene::bend_bound;
 
 /// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
 const MAX_ISOLATION_LEVEL: u32 = 8;
@@ -82,7 +83,7 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
     let planes = &at.planes;
     let a = Vector3::<T>::from_f32(at.leaf.tangent_u);
     let b = Vector3::<T>::from_f32(at.leaf.tangent_v);
-    let bend = T::from_f32((at.leaf.certificate >> 24) as f32 * (1.0 / 64.0)) * a.length().min(b.length());
+    let bend = T::from_f32(bend_bound(at.leaf.certificate >> 24)) * a.length().min(b.length());
     let norm = |w: [T; 2]| {
         let along = w[0] * planes.slope[0] + w[1] * planes.slope[1];
         (w[0] * w[0] + w[1] * w[1] + along * along).sqrt()

@@ -15,7 +15,7 @@ use super::slab::{SlabHit, intersect_slab};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::render::Exactness;
-use crate::scene::{Net, NetLeaf, Scene};
+use crate::scene::{Net, NetLeaf, Scene, bend_bound};
 use std::ops::Range;
 
 /// Roots kept per leaf.
@@ -214,7 +214,9 @@ fn search<T: Kernel>(
     let from_origin = vec3(value[0], value[1], value[2]) * scale;
     let tangent = |d: [T; 4]| (vec3(d[0], d[1], d[2]) - from_origin * d[3]) * scale;
     let (s_u, s_v) = (tangent(by_u), tangent(by_v));
-    let footprint = footprint(ray.direction, sides(ray.direction), s_u, s_v, leaf_curvature(leaf), *slack);
+    let mut footprint =
+        footprint(ray.direction, sides(ray.direction), s_u, s_v, leaf_curvature(leaf), *slack);
+    footprint.is_grazing |= !converged;
     let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };
     let extent = footprint.extent();
     let is_own = |k: usize| {
@@ -233,9 +235,11 @@ fn search<T: Kernel>(
     let miss = (from_origin - ray.direction * t).greatest();
     let size =
         Vector3::<T>::from_f32(leaf.tangent_u).greatest() + Vector3::<T>::from_f32(leaf.tangent_v).greatest();
-    // What does not converge within the limit is a near tangent: it counts where the ray comes as close as the roundings let us tell.
+    // What does not converge within the limit is a near tangent or at a pole: it counts where the ray comes as close as roundings and the slack
+    // let us tell.
     let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
-    let tolerance = rounding * if converged { number::<T>(4096.0) } else { number::<T>(64.0) };
+    let unsure = (rounding * number(64.0)).max(*slack * number(0.25));
+    let tolerance = if converged { rounding * number(4096.0) } else { unsure };
     if !(miss <= tolerance) {
         return;
     }
@@ -247,7 +251,7 @@ fn search<T: Kernel>(
 fn leaf_curvature<T: Real>(leaf: &NetLeaf) -> T {
     let a = Vector3::<T>::from_f32(leaf.tangent_u).length();
     let b = Vector3::<T>::from_f32(leaf.tangent_v).length();
-    T::from_f32((leaf.certificate >> 24) as f32 * (1.0 / 64.0)) / a.min(b)
+    T::from_f32(bend_bound(leaf.certificate >> 24)) / a.min(b)
 }
 
 #[inline]

@@ -339,7 +339,7 @@ fn leaf_of(net: &TestNet, low: [f64; 2], size: f64, center: DVec3) -> NetLeaf {
         certificate: bytes[0]
             | bytes[1] << 8
             | bytes[2] << 16
-            | byte((bend[0] + 2.0 * bend[1] + bend[2]) / m) << 24,
+            | bend_byte((1.1 * (bend[0] + 2.0 * bend[1] + bend[2]) / m) as f32) << 24,
         domain: 0,
         net: 0,
         trim: TRIM_INSIDE,
