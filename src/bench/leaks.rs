@@ -1,9 +1,8 @@
 //! Rays that see an odd number of walls of closed solids: something leaks, or is counted twice.
 //!
-//! Uniform rays are chords of the scene's bounding sphere; aimed rays pass points of edges at offsets of 10⁻⁹ to 10⁻³ of the scene's size,
-//! uniform in their logarithm, in random directions. Both start outside.
+//! Uniform rays are chords of the scene's bounding sphere; aimed rays pass by edges. Both start outside.
 
-use super::rays::{chord, on_sphere, unit};
+use super::rays::{aimed, chord};
 use crate::brep::{Edge, Id, Model, TrimLoop, occurrences};
 use crate::render::Ray;
 use crate::render::cpu::{Precision, probe};
@@ -12,9 +11,6 @@ use glam::{DAffine3, DVec3};
 
 /// Rays that are traced at once.
 const BATCH: u64 = 1 << 14;
-
-/// Exponents of ten of the least and the greatest offset of an aimed ray, in sizes of the scene.
-const OFFSETS: [f64; 2] = [-9.0, -3.0];
 
 /// Points of each edge that rays are aimed at.
 const POINTS_OF_EDGE: usize = 64;
@@ -102,15 +98,7 @@ pub fn count_aimed_leaks(
     count: u64,
     show: usize,
 ) -> Leaks {
-    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
-    count_odd(scene, precision, first, count, show, &|index| {
-        let number = |stream: u64| unit(index, stream);
-        let target = points[(number(0) * points.len() as f64) as usize % points.len()];
-        let direction = on_sphere(number(1), number(2));
-        let offset = 2.0 * radius * 10.0_f64.powf(OFFSETS[0] + (OFFSETS[1] - OFFSETS[0]) * number(3));
-        let target = target + on_sphere(number(4), number(5)) * offset;
-        Ray { origin: target - direction * (4.0 * radius), direction }
-    })
+    count_odd(scene, precision, first, count, show, &|index| aimed(scene, points, index))
 }
 
 fn count_odd(

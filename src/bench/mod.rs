@@ -7,5 +7,5 @@ mod stages;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
 pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
-pub use rays::chord;
+pub use rays::{aimed, chord};
 pub use stages::{Seconds, Stages, measure_stages};

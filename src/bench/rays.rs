@@ -15,8 +15,23 @@ pub fn chord(scene: &Scene<'_>, index: u64) -> Ray {
     Ray { origin: anchor + from * radius - direction * radius, direction }
 }
 
+/// Exponents of ten of the least and the greatest offset of an aimed ray, in sizes of the scene.
+const OFFSETS: [f64; 2] = [-9.0, -3.0];
+
+/// Ray `index` past one of `points`, of which there is at least one, at an offset of 10⁻⁹ to 10⁻³ of the scene's size, uniform in its logarithm, in a
+/// random direction; starts outside the scene.
+pub fn aimed(scene: &Scene<'_>, points: &[DVec3], index: u64) -> Ray {
+    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    let number = |stream: u64| unit(index, stream);
+    let target = points[(number(0) * points.len() as f64) as usize % points.len()];
+    let direction = on_sphere(number(1), number(2));
+    let offset = 2.0 * radius * 10.0_f64.powf(OFFSETS[0] + (OFFSETS[1] - OFFSETS[0]) * number(3));
+    let target = target + on_sphere(number(4), number(5)) * offset;
+    Ray { origin: target - direction * (4.0 * radius), direction }
+}
+
 /// The point of the unit sphere that belongs to a point of the unit square, area by area.
-pub(super) fn on_sphere(a: f64, b: f64) -> DVec3 {
+fn on_sphere(a: f64, b: f64) -> DVec3 {
     let z = 1.0 - 2.0 * a;
     let (sin, cos) = (b * std::f64::consts::TAU).sin_cos();
     let across = (1.0 - z * z).max(0.0).sqrt();
@@ -24,7 +39,7 @@ pub(super) fn on_sphere(a: f64, b: f64) -> DVec3 {
 }
 
 /// A number in [0, 1) that looks random and depends on its place alone (the mixer of SplitMix64, Steele, Lea and Flood 2014).
-pub(super) fn unit(index: u64, stream: u64) -> f64 {
+fn unit(index: u64, stream: u64) -> f64 {
     let mut x = index.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -10,6 +10,7 @@ use compare::{compare_hits, compare_pictures};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use trimray::bake::BakeOptions;
+use trimray::bench::{aimed, chord, edge_points};
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
 use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions};
@@ -19,7 +20,7 @@ use trimray::scene::{FaceKind, Scene, SceneBuffers};
 const LEAST_AGREEMENT: f64 = 0.999;
 
 /// Rays for each fixture.
-const FIXTURE_RAYS: u32 = 2_000;
+const FIXTURE_RAYS: u64 = 2_000;
 
 fn gpu() -> Option<Gpu> {
     match Gpu::new(AdapterChoice::Any) {
@@ -38,33 +39,9 @@ fn radius(scene: &Scene<'_>) -> f64 {
     DVec3::from_array(scene.header.half_size.map(f64::from)).length()
 }
 
-/// The fractional part of `index · 1/pᵏ` sums: the Halton sequence in one base.
-fn halton(mut index: u32, base: u32) -> f64 {
-    let (mut value, mut scale) = (0.0, 1.0);
-    while index > 0 {
-        scale /= f64::from(base);
-        value += scale * f64::from(index % base);
-        index /= base;
-    }
-    value
-}
-
-/// Chords of the scene's bounding sphere, from far outside.
-fn chords(scene: &Scene<'_>, count: u32) -> Vec<Ray> {
-    let anchor = DVec3::from_array(scene.header.world_anchor);
-    let half = DVec3::from_array(scene.header.half_size.map(f64::from));
-    let on_sphere = |a: f64, b: f64| {
-        let z = 1.0 - 2.0 * a;
-        let (sin, cos) = (b * std::f64::consts::TAU).sin_cos();
-        DVec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
-    };
-    (1..=count)
-        .map(|i| {
-            let from = on_sphere(halton(i, 2), halton(i, 3)) * 3.0 * half.length();
-            let to = DVec3::new(halton(i, 5), halton(i, 7), halton(i, 11)) * 2.0 - 1.0;
-            Ray { origin: anchor + from, direction: (to * half - from).normalize() }
-        })
-        .collect()
+/// Chords of the scene's bounding sphere.
+fn chords(scene: &Scene<'_>, count: u64) -> Vec<Ray> {
+    (0..count).map(|index| chord(scene, index)).collect()
 }
 
 fn camera(scene: &Scene<'_>, orthographic: bool) -> Camera {
@@ -92,7 +69,7 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
 }
 
 /// Whether the comparison was possible: a software device may give up, and says so.
-fn assert_hits_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, rays: u32) -> bool {
+fn assert_hits_agree(name: &str, gpu: &Gpu, scene: &Scene<'_>, rays: u64) -> bool {
     let rays = chords(scene, rays);
     let on_gpu = gpu.upload(scene).unwrap();
     let expected = cpu::probe(scene, &rays, Precision::F32, false);
@@ -181,6 +158,28 @@ fn fixtures_agree() {
     }
     eprintln!("{compared} of {} fixtures compared", files.len());
     assert_eq!(compared, files.len(), "fixtures compared");
+}
+
+/// Rays aimed at edges meet an even number of walls of closed solids on the GPU too.
+#[test]
+fn closed_fixtures_do_not_leak() {
+    let Some(gpu) = gpu() else { return };
+    let mut rays = 0;
+    for name in ["bracket", "flask", "knob", "chain"] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name).join("model.step");
+        let model = trimray::import::import(&file).unwrap();
+        let buffers = trimray::bake::bake(&model, &BakeOptions::default(), &|_, _| {});
+        let scene = buffers.scene();
+        let points = edge_points(&model);
+        let aimed: Vec<Ray> = (0..FIXTURE_RAYS).map(|index| aimed(&scene, &points, index)).collect();
+        let found = gpu.probe(&gpu.upload(&scene).unwrap(), &aimed, false).unwrap();
+        let odd: Vec<&Ray> =
+            aimed.iter().zip(&found).filter(|(_, hits)| hits.len() % 2 == 1).map(|x| x.0).collect();
+        assert!(odd.is_empty(), "{name}: {odd:?}");
+        assert!(found.iter().any(|hits| !hits.is_empty()), "{name}: no ray hits");
+        rays += aimed.len();
+    }
+    eprintln!("{rays} rays aimed at edges, {}", gpu.name());
 }
 
 /// Changes on the GPU's side alone, each of which the comparison has to notice.

@@ -1,0 +1,74 @@
+//! No ray slips between the faces of a closed solid: each sees an even number of walls, in f32 and in f64, also where it is aimed at edges.
+//!
+//! The GPU's share is in tests/equivalence.
+
+use std::path::{Path, PathBuf};
+use trimray::bake::{BakeOptions, bake};
+use trimray::bench::{count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
+use trimray::brep::Model;
+use trimray::import::import;
+use trimray::render::cpu::Precision;
+use trimray::scene::SceneBuffers;
+
+/// Rays of each kind, fixture and precision.
+const RAYS: u64 = 20_000;
+
+fn fixtures() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
+    let entries = std::fs::read_dir(folder).expect("fixtures can be listed");
+    let models = entries.map(|entry| entry.expect("an entry").path().join("model.step"));
+    let mut models: Vec<PathBuf> = models.filter(|path| path.exists()).collect();
+    models.sort();
+    models
+}
+
+fn baked(path: &Path) -> (Model, SceneBuffers) {
+    let model = import(path).expect("a fixture");
+    let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
+    (model, buffers)
+}
+
+#[test]
+fn closed_fixtures_do_not_leak() {
+    let (mut closed, mut rays, mut odd) = (0, 0, Vec::new());
+    for path in fixtures() {
+        let (model, buffers) = baked(&path);
+        let scene = buffers.scene();
+        if !is_closed(&model, &scene) {
+            continue;
+        }
+        closed += 1;
+        let points = edge_points(&model);
+        for precision in [Precision::F32, Precision::F64] {
+            let uniform = count_uniform_leaks(&scene, precision, 0, RAYS, 1);
+            let aimed = count_aimed_leaks(&scene, precision, &points, 0, RAYS, 1);
+            for leaks in [uniform, aimed] {
+                rays += leaks.rays;
+                odd.extend(
+                    leaks.shown.iter().map(|ray| format!("{}, {precision:?}: {ray:?}", path.display())),
+                );
+            }
+        }
+    }
+    eprintln!("{closed} closed fixtures, {rays} rays, {} odd", odd.len());
+    assert!(closed >= 20, "only {closed} fixtures are closed");
+    assert!(odd.is_empty(), "{odd:#?}");
+}
+
+#[test]
+fn leaks_are_noticed() {
+    let path =
+        fixtures().into_iter().find(|path| path.to_string_lossy().contains("bracket")).expect("a fixture");
+    let (model, sound) = baked(&path);
+    let points = edge_points(&model);
+    // Faces as narrow as they are: rays slip between them, or meet two.
+    let mut narrow = sound.clone();
+    narrow.faces.iter_mut().for_each(|face| face.slack = 0.0);
+    let leaks = count_aimed_leaks(&narrow.scene(), Precision::F32, &points, 0, RAYS, 0);
+    assert!(leaks.odd > RAYS / 100, "{leaks:?}");
+    // A face that is not there: the slack of others does not stand in for it.
+    let mut broken = sound.clone();
+    broken.faces[0].uv_low[0] += 1e6;
+    let leaks = count_uniform_leaks(&broken.scene(), Precision::F32, 0, RAYS, 0);
+    assert!(leaks.odd > 0, "{leaks:?}");
+}
