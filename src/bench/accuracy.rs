@@ -8,6 +8,7 @@ use crate::render::cpu::{Precision, probe};
 use crate::render::reference::{ExpectedHit, Reference, TOLERANCE};
 use crate::render::{Hit, Ray};
 use crate::scene::Scene;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -16,6 +17,9 @@ const BATCH: u64 = 1 << 14;
 
 /// A hit answers an expected one of the same face within this many tolerances, divided by |cos| of the angle to the normal.
 const SAME_HIT: f64 = 64.0;
+
+/// Hits with |cos| above this are steep.
+const STEEP: f64 = 0.2;
 
 /// Errors of many hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -45,25 +49,34 @@ pub struct Accuracy {
     pub phantom: u64,
     /// |difference of distances| over the size of the net or of the carrier's piece.
     pub distance: Quantiles,
+    /// The same of the hits with |cos| of the angle to the normal above [`STEEP`]: elsewhere any error of a position counts 1 / |cos| times.
+    pub steep_distance: Quantiles,
     /// Angle between the normals, radians.
     pub normal: Quantiles,
     /// Of a ray with all its hits, on one thread's share of time, seconds.
     pub seconds: f64,
 }
 
-/// Traces `count` chords of the scene's sphere, from number `first` on, and compares them with the reference.
+/// Traces `count` chords of the scene's sphere, from number `first` on, and compares them with the reference. Rays start `distance` radii of the scene
+/// before the sphere.
 pub fn measure_accuracy(
     scene: &Scene<'_>,
     reference: &Reference<'_>,
     precision: Precision,
+    distance: f64,
     first: u64,
     count: u64,
 ) -> Accuracy {
+    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    let ray = |index: u64| {
+        let Ray { origin, direction } = chord(scene, index);
+        Ray { origin: origin - direction * (distance * radius), direction }
+    };
     let mut result = Accuracy { rays: count, ..Accuracy::default() };
-    let (mut distances, mut angles) = (Vec::new(), Vec::new());
+    let (mut distances, mut steep, mut angles) = (Vec::new(), Vec::new(), Vec::new());
     let mut elapsed = 0.0;
     for start in (first..first + count).step_by(BATCH as usize) {
-        let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(|i| chord(scene, i)).collect();
+        let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         let clock = Instant::now();
         let found = probe(scene, &rays, precision, false);
         elapsed += clock.elapsed().as_secs_f64();
@@ -77,21 +90,35 @@ pub fn measure_accuracy(
             result.hits += comparison.errors.len() as u64 + comparison.missed;
             result.missed += comparison.missed;
             result.phantom += comparison.phantom;
-            distances.extend(comparison.errors.iter().map(|(distance, _)| *distance));
-            angles.extend(comparison.errors.iter().map(|(_, angle)| *angle));
+            for HitError { distance, angle, facing } in comparison.errors {
+                distances.push(distance);
+                angles.push(angle);
+                if facing > STEEP {
+                    steep.push(distance);
+                }
+            }
         }
     }
     result.distance = quantiles(distances);
+    result.steep_distance = quantiles(steep);
     result.normal = quantiles(angles);
     result.seconds = elapsed * rayon::current_num_threads() as f64 / count.max(1) as f64;
     result
 }
 
+/// Of a hit that both have.
+#[derive(Debug)]
+struct HitError {
+    distance: f64,
+    angle: f64,
+    /// |cos| of the angle between the ray and the normal.
+    facing: f64,
+}
+
 /// One ray's.
 #[derive(Debug, Default)]
 struct Comparison {
-    /// Of the hits that both have: distance, angle.
-    errors: Vec<(f64, f64)>,
+    errors: Vec<HitError>,
     missed: u64,
     phantom: u64,
 }
@@ -108,7 +135,8 @@ fn compare(expected: &[ExpectedHit], found: &[Hit]) -> Comparison {
         match nearest.filter(|&i| apart(left[i]) <= limit) {
             Some(i) => {
                 let other = left.swap_remove(i);
-                result.errors.push((apart(other) / size, angle(other, hit)));
+                let (distance, angle) = (apart(other) / size, angle(other, hit));
+                result.errors.push(HitError { distance, angle, facing: *facing });
             }
             None => result.missed += 1,
         }
@@ -121,7 +149,7 @@ fn angle(a: &Hit, b: &Hit) -> f64 {
     a.normal.cross(b.normal).length().atan2(a.normal.dot(b.normal))
 }
 
-fn quantiles(mut values: Vec<f64>) -> Quantiles {
+pub(super) fn quantiles(mut values: Vec<f64>) -> Quantiles {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {
         let index = (values.len() as f64 * share) as usize;
@@ -144,7 +172,7 @@ mod tests {
     }
 
     fn measured(scene: &SceneBuffers, truth: &SceneBuffers) -> Accuracy {
-        measure_accuracy(&scene.scene(), &Reference::new(truth.scene()), Precision::F32, 0, 4000)
+        measure_accuracy(&scene.scene(), &Reference::new(truth.scene()), Precision::F32, 0.0, 0, 4000)
     }
 
     #[test]
@@ -155,6 +183,13 @@ mod tests {
             assert!(found.certain >= 3990 && found.hits > 500, "{name}: {found:?}");
             assert_eq!((found.missed, found.phantom), (0, 0), "{name}: {found:?}");
             assert!(found.distance.median < 1e-7 && found.distance.p99 < 2e-6, "{name}: {found:?}");
+            assert!(found.steep_distance.p999 < 1e-6, "{name}: {found:?}");
+            // The same from ten thousand radii away.
+            let reference = widened(&scene.scene());
+            let reference = Reference::new(reference.scene());
+            let far = measure_accuracy(&scene.scene(), &reference, Precision::F32, 1e4, 0, 4000);
+            assert_eq!((far.missed, far.phantom), (0, 0), "{name}: {far:?}");
+            assert!(far.steep_distance.p999 < 1e-6, "{name}: {far:?}");
         }
     }
 

@@ -214,6 +214,7 @@ pub(super) struct Bench {
 pub(super) enum BenchCommand {
     Stages(BenchStages),
     Accuracy(BenchAccuracy),
+    Work(BenchWork),
     Leaks(BenchLeaks),
 }
 
@@ -243,7 +244,7 @@ pub(super) struct BenchStages {
 /// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size would change its hits;
 /// only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
 /// compares with the model's f64 numbers, so that the baking counts too. Errors of distance are relative to the size of the net or face piece
-/// that was hit; angles are in radians.
+/// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; angles are in radians.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -256,12 +257,46 @@ pub(super) struct BenchAccuracy {
     /// How many rays.
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
     pub(super) rays: u64,
+    /// Start the rays so many radii of the scene farther away.
+    #[arg(long, value_name = "RADII", default_value_t = 0.0, value_parser = parse_distance)]
+    pub(super) distance: f64,
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) first: u64,
     /// One JSON object a line.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Run time against error: first hits at five distortions of the leaves, three exactnesses and two precisions.
+///
+/// Each setting's bake time, bytes, nanoseconds a ray on one thread, and the errors of its first hits against the f64 reference, in diagonals of
+/// the scene. `--csv` appends rows that tools/rival/mesh_embree.py writes too, for a mesh of the same model; `--rival` reads those, so that the
+/// plot shows both.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench work part.step
+  trimray bench work part.step --csv work.csv --rival mesh.csv --plot work.svg")]
+pub(super) struct BenchWork {
+    /// A STEP or IGES file.
+    #[arg(value_name = "INPUT")]
+    pub(super) input: PathBuf,
+    /// How many rays.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// Write the rows here, as comma-separated values.
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
+    /// Rows of another tracer to show beside ours.
+    #[arg(long, value_name = "FILE")]
+    pub(super) rival: Option<PathBuf>,
+    /// Write a log-log plot here, as SVG.
+    #[arg(long, value_name = "FILE")]
+    pub(super) plot: Option<PathBuf>,
 }
 
 /// Rays that see an odd number of walls of closed solids.
@@ -393,6 +428,11 @@ fn parse_color(text: &str) -> Result<[f32; 3], String> {
     } else {
         Err("red, green and blue are in 0..=1".into())
     }
+}
+
+fn parse_distance(text: &str) -> Result<f64, String> {
+    let distance: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    if (0.0..=1e9).contains(&distance) { Ok(distance) } else { Err("it has to be from 0 to 1e9".to_owned()) }
 }
 
 fn parse_view_angle(text: &str) -> Result<f64, String> {

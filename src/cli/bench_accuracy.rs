@@ -21,6 +21,7 @@ struct Line<'a> {
     missed: u64,
     phantom: u64,
     distance: Errors,
+    steep_distance: Errors,
     normal: Errors,
     microseconds: f64,
 }
@@ -51,7 +52,8 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
         ];
         for (precision, kind, against, truth) in cases {
             let reference = Reference::new(truth);
-            let accuracy = measure_accuracy(&scene, &reference, kind, command.first, command.rays);
+            let accuracy =
+                measure_accuracy(&scene, &reference, kind, command.distance, command.first, command.rays);
             if command.json {
                 let line = line(path, precision, against, &accuracy);
                 serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
@@ -66,7 +68,7 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
 }
 
 fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, found: &Accuracy) -> Line<'a> {
-    let Accuracy { rays, certain, hits, missed, phantom, distance, normal, seconds } = *found;
+    let Accuracy { rays, certain, hits, missed, phantom, distance, steep_distance, normal, seconds } = *found;
     let errors = |q: Quantiles| Errors { median: q.median, p99: q.p99, p999: q.p999, max: q.max };
     Line {
         file: path.to_string_lossy(),
@@ -78,6 +80,7 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
         missed,
         phantom,
         distance: errors(distance),
+        steep_distance: errors(steep_distance),
         normal: errors(normal),
         microseconds: seconds * 1e6,
     }
@@ -86,8 +89,19 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
 fn write_head(out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "{:<4}{:<8}{:>10}{:>10}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}  file",
-        "", "against", "certain", "hits", "missed", "phantom", "median", "p99.9", "max", "angle", "µs/ray"
+        "{:<4}{:<8}{:>10}{:>10}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}  file",
+        "",
+        "against",
+        "certain",
+        "hits",
+        "missed",
+        "phantom",
+        "median",
+        "p99.9",
+        "steep",
+        "max",
+        "angle",
+        "µs/ray"
     )
 }
 
@@ -98,12 +112,13 @@ fn write_row(
     against: &str,
     found: &Accuracy,
 ) -> std::io::Result<()> {
-    let Accuracy { certain, hits, missed, phantom, distance, normal, seconds, .. } = found;
+    let Accuracy { certain, hits, missed, phantom, distance, steep_distance, normal, seconds, .. } = found;
     writeln!(
         out,
-        "{precision:<4}{against:<8}{certain:>10}{hits:>10}{missed:>8}{phantom:>9}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2}  {}",
+        "{precision:<4}{against:<8}{certain:>10}{hits:>10}{missed:>8}{phantom:>9}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2}  {}",
         distance.median,
         distance.p999,
+        steep_distance.p999,
         distance.max,
         normal.p999,
         seconds * 1e6,

@@ -4,7 +4,7 @@ use super::args::{General, Info};
 use super::bake::size_text;
 use super::load::{Purpose, load};
 use super::{report, tree};
-use crate::scene::{EdgeGap, FaceKind, Finding, Scene, Severity};
+use crate::scene::{EdgeGap, FaceKind, Finding, Scene, Severity, section_bytes};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -163,28 +163,6 @@ const KINDS: [(FaceKind, &str); 6] = [
     (FaceKind::Torus, "torus"),
     (FaceKind::Nets, "nets"),
 ];
-
-fn section_bytes(scene: &Scene<'_>) -> BTreeMap<&'static str, usize> {
-    let mut bytes = BTreeMap::from([
-        ("bvh_nodes", size_of_val(scene.bvh_nodes)),
-        ("primitives", size_of_val(scene.primitives)),
-        ("instances", size_of_val(scene.instances)),
-        ("parts", size_of_val(scene.parts)),
-        ("faces", size_of_val(scene.faces)),
-        ("nets", size_of_val(scene.nets)),
-        ("net_leaves", size_of_val(scene.net_leaves)),
-        ("net_points", size_of_val(scene.net_points)),
-        ("trim_nodes", size_of_val(scene.trim_nodes)),
-        ("trim_segments", size_of_val(scene.trim_segments)),
-        ("trim_points", size_of_val(scene.trim_points)),
-        ("materials", size_of_val(scene.materials)),
-        ("faces_f64", size_of_val(scene.faces_f64)),
-        ("instances_f64", size_of_val(scene.instances_f64)),
-        ("net_points_f64", size_of_val(scene.net_points_f64)),
-    ]);
-    bytes.insert("total", bytes.values().sum());
-    bytes
-}
 
 fn write_text(out: &mut impl Write, summary: &Summary<'_>, all: bool) -> std::io::Result<()> {
     writeln!(out, "file       {}", summary.file)?;

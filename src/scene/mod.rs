@@ -11,6 +11,7 @@
 //! reaches the face's own space without loss, wherever the face stands.
 //! (u, v) of a face are *normalised*: 0 to 1 over the face's trim window. (u, v) of a net are *local*: 0 to 1 over the net.
 
+mod bytes;
 mod layout;
 #[cfg(test)]
 mod layout_tests;
@@ -18,6 +19,7 @@ mod metadata;
 mod validate;
 mod validate_trees;
 
+pub use bytes::section_bytes;
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
     NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, bend_bound, bend_byte, primitive, trim_node,

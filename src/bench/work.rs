@@ -1,0 +1,156 @@
+//! Run time against error: what a first hit costs and how far it is off, for each setting of the tracer.
+//!
+//! Truth are the model's f64 numbers by the [`Reference`], for the rays that it is certain of; errors are distances along the ray over the scene's
+//! diagonal, so that they stand beside those of a mesh (`tools/rival`). Times are of one thread, the least of several runs.
+
+use super::accuracy::{Quantiles, quantiles};
+use super::rays::chord;
+use crate::bake::{BakeOptions, bake};
+use crate::brep::Model;
+use crate::render::cpu::{Precision, probe_with};
+use crate::render::reference::Reference;
+use crate::render::{Exactness, Hit, Ray};
+use crate::scene::{Scene, section_bytes};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Distortions that leaves are split to; the middle one is the bake's default.
+const DISTORTIONS: [f64; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+
+/// Runs of which the fastest counts.
+const RUNS: usize = 5;
+
+/// A first hit this far off, in diagonals, is another hit.
+const ELSEWHERE: f64 = 1e-2;
+
+/// One setting, measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkPoint {
+    /// Exactness and precision.
+    pub series: String,
+    /// The distortion ρ.
+    pub distortion: f64,
+    /// From the model to the scene, seconds, on all threads.
+    pub build_seconds: f64,
+    /// Of the scene in memory.
+    pub bytes: usize,
+    /// For a ray's first hit, on one thread.
+    pub nanoseconds: f64,
+    /// |difference of distances| over the scene's diagonal.
+    pub error: Quantiles,
+    /// Rays that the reference is certain of.
+    pub certain: u64,
+    /// Of these, those whose first hit is not there or elsewhere.
+    pub missed: u64,
+    /// Of these, those that hit where there is nothing.
+    pub phantom: u64,
+}
+
+/// What the reference says of a ray: nothing, or its first hit's distance, if it has one.
+type Truth = Option<Option<f64>>;
+
+/// Measures all settings on `count` chords, from number `first` on.
+pub fn measure_work(model: &Model, first: u64, count: u64) -> Vec<WorkPoint> {
+    let options = BakeOptions { keep_f64: true, ..BakeOptions::default() };
+    let buffers = bake(model, &options, &|_, _| {});
+    let scene = buffers.scene();
+    let rays: Vec<Ray> = (first..first + count).map(|index| chord(&scene, index)).collect();
+    let reference = Reference::new(scene);
+    let nearest = |ray: &Ray| reference.trace(ray).map(|hits| hits.first().map(|found| found.hit.t));
+    let truth: Vec<Truth> = rays.par_iter().map(nearest).collect();
+    let distortions: &[f64] = if scene.nets.is_empty() { &[options.distortion] } else { &DISTORTIONS };
+    let mut points = Vec::new();
+    for &distortion in distortions {
+        let clock = Instant::now();
+        let narrow = bake(model, &BakeOptions { distortion, ..BakeOptions::default() }, &|_, _| {});
+        let build_seconds = clock.elapsed().as_secs_f64();
+        for (name, exactness) in
+            [("fast", Exactness::Fast), ("balanced", Exactness::Balanced), ("exact", Exactness::Exact)]
+        {
+            let measured = measure(&narrow.scene(), Precision::F32, exactness, &rays, &truth);
+            points.push(WorkPoint { series: format!("{name} f32"), distortion, build_seconds, ..measured });
+        }
+        if distortion == options.distortion {
+            let measured = measure(&scene, Precision::F64, Exactness::Exact, &rays, &truth);
+            points.push(WorkPoint { series: "exact f64".to_owned(), distortion, build_seconds, ..measured });
+        }
+    }
+    points
+}
+
+/// One setting; what the caller knows is left empty.
+fn measure(
+    scene: &Scene<'_>,
+    precision: Precision,
+    exactness: Exactness,
+    rays: &[Ray],
+    truth: &[Truth],
+) -> WorkPoint {
+    let (found, seconds) = on_one_thread(|| {
+        let mut seconds = f64::INFINITY;
+        let mut found = Vec::new();
+        for _ in 0..RUNS {
+            let clock = Instant::now();
+            found = probe_with(scene, rays, precision, true, exactness);
+            seconds = seconds.min(clock.elapsed().as_secs_f64());
+        }
+        (found, seconds)
+    });
+    let diagonal = 2.0 * DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    let mut errors = Vec::with_capacity(rays.len());
+    let (mut certain, mut missed, mut phantom) = (0, 0, 0);
+    for (hits, truth) in found.iter().zip(truth) {
+        let Some(truth) = truth else { continue };
+        certain += 1;
+        match (truth, hits.first()) {
+            (Some(t), Some(Hit { t: other, .. })) if (t - other).abs() <= ELSEWHERE * diagonal => {
+                errors.push((t - other).abs() / diagonal);
+            }
+            (Some(_), _) => missed += 1,
+            (None, Some(_)) => phantom += 1,
+            (None, None) => {}
+        }
+    }
+    WorkPoint {
+        series: String::new(),
+        distortion: 0.0,
+        build_seconds: 0.0,
+        bytes: section_bytes(scene)["total"],
+        nanoseconds: seconds * 1e9 / rays.len().max(1) as f64,
+        error: quantiles(errors),
+        certain,
+        missed,
+        phantom,
+    }
+}
+
+/// Runs `work` where rayon has one thread; in place where there can be no such pool.
+fn on_one_thread<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finer_settings_are_all_measured() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/knob/model.step");
+        let model = crate::import::import(&path).expect("a fixture");
+        let points = measure_work(&model, 0, 2000);
+        assert_eq!(points.len(), 3 * DISTORTIONS.len() + 1);
+        for point in &points {
+            assert!(point.certain > 1900 && point.nanoseconds > 0.0 && point.bytes > 0, "{point:?}");
+            assert!(point.error.median < 1e-6, "{point:?}");
+            if point.series.starts_with("exact") {
+                assert_eq!((point.missed, point.phantom), (0, 0), "{point:?}");
+            }
+        }
+        let errors = |series: &str| points.iter().find(|p| p.series == series).map(|p| p.error.median);
+        assert!(errors("exact f64") < errors("exact f32"));
+    }
+}
