@@ -66,8 +66,7 @@ const MINOR: f64 = 0.5;
 fn cases() -> [Case; 2] {
     let frame = Frame::IDENTITY;
     let (r, m) = (RADIUS, MINOR);
-    let half_circle =
-        [[0.0, -r, 1.0], [r, -r, QUARTER], [r, 0.0, 1.0], [r, r, QUARTER], [0.0, r, 1.0]];
+    let half_circle = [[0.0, -r, 1.0], [r, -r, QUARTER], [r, 0.0, 1.0], [r, r, QUARTER], [0.0, r, 1.0]];
     let circle = [
         [r + m, 0.0, 1.0],
         [r + m, m, QUARTER],

@@ -53,24 +53,36 @@ pub fn consistent<T: Kernel>(
 /// Which hits stay so that the ray leaves as often as it enters; `None` where the certain ones do not.
 ///
 /// Enters and leaves in turn, if that can be; else up to [`DEEPEST`] times before it leaves, for some solids overlap themselves or have voids
-/// turned the wrong way. A body whose faces are all turned inside out is as good as another.
+/// turned the wrong way. A body whose faces are all turned inside out is as good as another. At last the order does not count: where
+/// the ray grazes a face, that of its hits is not known.
 fn in_turn<T: Kernel>(crossings: &[Crossing<T>], starts_outside: bool) -> Option<Vec<bool>> {
-    let ways = (1..=DEEPEST).flat_map(|deepest| [false, true].map(|is_turned| (deepest, is_turned)));
-    ways.into_iter()
-        .find_map(|(deepest, is_turned)| fewest_left_out(crossings, starts_outside, deepest, is_turned))
+    let ordered = (1..=DEEPEST).flat_map(|deepest| {
+        [false, true].map(|is_turned| Way { starts_outside, outside: 0, deepest, is_turned })
+    });
+    let unordered = Way { starts_outside, outside: DEEPEST / 2, deepest: DEEPEST, is_turned: false };
+    ordered.chain([unordered]).find_map(|way| fewest_left_out(crossings, &way))
+}
+
+/// What a ray may do.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// Whether it is known to start outside.
+    starts_outside: bool,
+    /// The depth that is outside: so many times it may leave before it has entered.
+    outside: usize,
+    /// The greatest depth, counted from the least.
+    deepest: usize,
+    /// Whether normals point inwards.
+    is_turned: bool,
 }
 
 /// The search over prefixes: the fewest hits left out of the first ones so that the ray has then entered so many times more than left.
-fn fewest_left_out<T: Kernel>(
-    crossings: &[Crossing<T>],
-    starts_outside: bool,
-    deepest: usize,
-    is_turned: bool,
-) -> Option<Vec<bool>> {
+fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Vec<bool>> {
     const NEVER: u32 = u32::MAX;
+    let Way { starts_outside, outside, deepest, is_turned } = *way;
     // By depth, as far as `deepest`.
     let mut left_out = [NEVER; DEEPEST + 1];
-    left_out[..=if starts_outside { 0 } else { deepest }].fill(0);
+    left_out[outside..=if starts_outside { outside } else { deepest }].fill(0);
     // By hit and by the depth it leads to: the depth it comes from, where the hit stays.
     let mut choices: Vec<[Option<usize>; DEEPEST + 1]> = Vec::with_capacity(crossings.len());
     for Crossing { hit, facing } in crossings {
@@ -91,11 +103,11 @@ fn fewest_left_out<T: Kernel>(
         }
         choices.push(choice);
     }
-    if left_out[0] == NEVER {
+    if left_out[outside] == NEVER {
         return None;
     }
     let mut stays = vec![false; crossings.len()];
-    let mut depth = 0;
+    let mut depth = outside;
     for (index, choice) in choices.iter().enumerate().rev() {
         if let Some(from) = choice[depth] {
             stays[index] = true;
@@ -161,6 +173,8 @@ mod tests {
         assert_eq!(stays(&[(-1.0, true), (-1.0, true), (1.0, false)]), None);
         let nested = [(-1.0, true), (-1.0, true), (-1.0, false), (1.0, false), (1.0, true)];
         assert_eq!(stays(&nested), Some(vec![true, true, false, true, true]));
+        let late = [(1e-6, false), (-1.0, true), (-1.0, true), (1.0, true)];
+        assert_eq!(stays(&late), Some(vec![true; 4]));
         let from_inside = in_turn(&[crossing(1.0, true)], false);
         assert_eq!(from_inside, Some(vec![true]));
     }
