@@ -67,7 +67,7 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
     let closest = fused(d, slide, o);
     let distance = length(closest);
     let under_root = (radius - distance) * (radius + distance);
-    if under_root >= -8.0 * EPSILON * radius * (radius + length(o)) {
+    if under_root >= -2.0 * EPSILON * radius * (radius + length(o)) {
         let half_chord = sqrt(max(under_root, 0.0) / dd);
         insert(&roots, slide - half_chord);
         insert(&roots, slide + half_chord);
@@ -87,7 +87,7 @@ fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     let c = (p.x * p.x + p.y * p.y) - rho * rho;
     let discriminant = b * b - a * c;
     let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
-    if discriminant >= -8.0 * EPSILON * terms {
+    if discriminant >= -2.0 * EPSILON * terms {
         let q = -(b + signum(b) * sqrt(max(discriminant, 0.0)));
         insert(&roots, slide + polish_cone(p, d, radius, slope, q / a));
         insert(&roots, slide + polish_cone(p, d, radius, slope, c / q));

@@ -59,7 +59,7 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
 fn is_touching(q: Quartic, t: f32) -> bool {
     let least = value(q, t);
     let reach = 1.0 + q.major;
-    return least > 0.0 && least <= 16.0 * EPSILON * q.minor * reach * reach && curvature(q, t) > 0.0;
+    return least > 0.0 && least <= 4.0 * EPSILON * q.minor * reach * reach && curvature(q, t) > 0.0;
 }
 
 fn quartic(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Quartic {

@@ -91,7 +91,7 @@ fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots
     let distance = closest.length();
     let under_root = (radius - distance) * (radius + distance);
     // What roundings keep from 0 touches.
-    if under_root >= -number::<T>(8.0) * T::EPSILON * radius * (radius + o.length()) {
+    if under_root >= -number::<T>(2.0) * T::EPSILON * radius * (radius + o.length()) {
         let half = (under_root.max(T::ZERO) / dd).sqrt();
         roots.insert(slide - half);
         roots.insert(slide + half);
@@ -118,7 +118,7 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     let discriminant = b * b - a * c;
     // What roundings keep from 0 touches.
     let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
-    if discriminant >= -number::<T>(8.0) * T::EPSILON * terms {
+    if discriminant >= -number::<T>(2.0) * T::EPSILON * terms {
         let q = -(b + b.signum() * discriminant.max(T::ZERO).sqrt());
         roots.insert(slide + polish_cone(p, d, radius, slope, q / a));
         roots.insert(slide + polish_cone(p, d, radius, slope, c / q));

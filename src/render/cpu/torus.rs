@@ -70,7 +70,7 @@ fn is_touching<T: Real>(q: &Quartic<T>, t: T) -> bool {
     let least = value(q, t);
     let reach = T::ONE + q.major;
     least > T::ZERO
-        && least <= number::<T>(16.0) * T::EPSILON * q.minor * reach * reach
+        && least <= number::<T>(4.0) * T::EPSILON * q.minor * reach * reach
         && curvature(q, t) > T::ZERO
 }
 
