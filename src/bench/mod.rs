@@ -4,8 +4,9 @@ mod accuracy;
 mod leaks;
 mod rays;
 mod stages;
+pub mod stress;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
-pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
+pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
 pub use rays::chord;
 pub use stages::{Seconds, Stages, measure_stages};

@@ -2,7 +2,7 @@
 
 use super::args::{Bench, BenchCommand, BenchStages, General};
 use super::bake::size_text;
-use super::{bench_accuracy, bench_leaks};
+use super::{bench_accuracy, bench_leaks, bench_stress};
 use crate::bench::{Stages, measure_stages};
 use serde::Serialize;
 use std::io::Write;
@@ -13,6 +13,7 @@ pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
         BenchCommand::Stages(command) => stages(command),
         BenchCommand::Accuracy(command) => bench_accuracy::run(command, general),
         BenchCommand::Leaks(command) => bench_leaks::run(command),
+        BenchCommand::Stress(command) => bench_stress::run(command),
     }
 }
 
