@@ -3,8 +3,8 @@
 use super::args::{BenchStress, PrecisionChoice};
 use crate::bench::stress::{Change, RayKind, SUBJECTS, Sameness, StressScene, cases, measure_sameness};
 use crate::bench::{Accuracy, rate_bound};
-use crate::render::Ray;
 use crate::render::cpu::Precision;
+use crate::render::{Hit, Ray};
 use serde::Serialize;
 use std::io::Write;
 
@@ -15,8 +15,8 @@ struct Line<'a> {
     rays: &'static str,
     precision: &'static str,
     closed: bool,
-    /// Faces.
-    dropped: usize,
+    /// Reasons, one a face.
+    dropped: &'a [String],
     traced: u64,
     certain: u64,
     hits: u64,
@@ -32,8 +32,26 @@ struct Line<'a> {
     odd: Option<u64>,
     odd_bound: Option<f64>,
     microseconds: f64,
-    wrong_ray: Option<[[f64; 3]; 2]>,
+    wrong: Option<Wrong>,
     odd_ray: Option<[[f64; 3]; 2]>,
+}
+
+/// A ray and its hits by the tracer and by the reference.
+#[derive(Serialize)]
+struct Wrong {
+    origin: [f64; 3],
+    direction: [f64; 3],
+    found: Vec<WrongHit>,
+    expected: Vec<WrongHit>,
+}
+
+#[derive(Serialize)]
+struct WrongHit {
+    t: f64,
+    face: u32,
+    uv: [f64; 2],
+    /// Of the direction and the outward normal.
+    cosine: f64,
 }
 
 /// A line of JSON: a shape against itself in another form. Names of fields stay.
@@ -72,7 +90,8 @@ pub(super) fn run(command: &BenchStress) -> anyhow::Result<()> {
         for (precision, _, kind) in precisions.clone() {
             for (rays, ray_kind) in [("made", RayKind::Made), ("chords", RayKind::Chords)] {
                 let found = scene.measure(ray_kind, kind, command.first, command.rays);
-                let line = line(case.name, rays, precision, &scene, &found);
+                let wrong = found.wrong.map(|ray| explained(&scene, ray, kind));
+                let line = line(case.name, rays, precision, &scene, &found, wrong);
                 if command.json { write_json(&mut out, &line)? } else { write_row(&mut out, &line)? }
             }
         }
@@ -106,20 +125,35 @@ fn ends(ray: Ray) -> [[f64; 3]; 2] {
     [ray.origin.to_array(), ray.direction.to_array()]
 }
 
+fn explained(scene: &StressScene, ray: Ray, precision: Precision) -> Wrong {
+    let [found, expected] = scene.hits(&ray, precision).map(|hits| {
+        let shown = |hit: &Hit| WrongHit {
+            t: hit.t,
+            face: hit.face,
+            uv: hit.uv,
+            cosine: hit.normal.dot(ray.direction),
+        };
+        hits.iter().map(shown).collect()
+    });
+    let [origin, direction] = ends(ray);
+    Wrong { origin, direction, found, expected }
+}
+
 fn line<'a>(
     name: &'a str,
     rays: &'static str,
     precision: &'static str,
-    scene: &StressScene,
+    scene: &'a StressScene,
     found: &Accuracy,
+    wrong: Option<Wrong>,
 ) -> Line<'a> {
-    let Accuracy { certain, hits, missed, phantom, distance, odd, wrong, odd_ray, seconds, .. } = *found;
+    let Accuracy { certain, hits, missed, phantom, distance, odd, odd_ray, seconds, .. } = *found;
     Line {
         scene: name,
         rays,
         precision,
         closed: scene.is_closed,
-        dropped: scene.dropped,
+        dropped: &scene.dropped,
         traced: found.rays,
         certain,
         hits,
@@ -133,7 +167,7 @@ fn line<'a>(
         odd: scene.is_closed.then_some(odd),
         odd_bound: scene.is_closed.then(|| rate_bound(found.rays, odd)),
         microseconds: seconds * 1e6,
-        wrong_ray: wrong.map(ends),
+        wrong,
         odd_ray: odd_ray.filter(|_| scene.is_closed).map(ends),
     }
 }
@@ -199,8 +233,8 @@ fn write_row(out: &mut impl Write, line: &Line<'_>) -> std::io::Result<()> {
         line.max,
         line.microseconds
     )?;
-    if line.dropped > 0 {
-        writeln!(out, "  {} faces could not be baked", line.dropped)?;
+    for reason in line.dropped {
+        writeln!(out, "  a face could not be baked: {reason}")?;
     }
     out.flush()
 }

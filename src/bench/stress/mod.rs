@@ -22,9 +22,10 @@ use super::accuracy::measure_rays;
 use super::{Accuracy, chord, is_closed};
 use crate::bake::{BakeOptions, bake};
 use crate::brep::Model;
-use crate::render::cpu::Precision;
+use crate::render::cpu::{Precision, probe};
 use crate::render::reference::{Reference, widened};
-use crate::scene::{Scene, SceneBuffers};
+use crate::render::{Hit, Ray};
+use crate::scene::{Scene, SceneBuffers, Severity};
 use glam::DVec3;
 
 /// A scene by name.
@@ -49,8 +50,8 @@ pub struct StressScene {
     aim: Aim,
     /// Whether it is made of closed solids alone: then no ray may be odd.
     pub is_closed: bool,
-    /// Faces that the bake could not make.
-    pub dropped: usize,
+    /// Why the bake dropped faces, one reason each.
+    pub dropped: Vec<String>,
 }
 
 /// The rays of a measurement.
@@ -74,7 +75,9 @@ impl Case {
         let buffers = baked(&model);
         let narrow = widened(&buffers.scene());
         let is_closed = is_closed(&model, &buffers.scene());
-        let dropped = model.faces.len() - buffers.faces.len();
+        let findings =
+            buffers.metadata.findings.iter().filter(|finding| finding.severity == Severity::Dropped);
+        let dropped = findings.map(|finding| finding.reason.clone()).collect();
         StressScene { buffers, narrow, aim, is_closed, dropped }
     }
 }
@@ -90,6 +93,15 @@ impl StressScene {
             RayKind::Made => aimed_ray(&self.aim, radius, index),
             RayKind::Chords => chord(&scene, index),
         })
+    }
+
+    /// The tracer's hits of one ray, and the reference's; none where it is not certain.
+    pub fn hits(&self, ray: &Ray, precision: Precision) -> [Vec<Hit>; 2] {
+        let scene = self.buffers.scene();
+        let reference = Reference::new(truth(&scene, &self.narrow, precision));
+        let expected = reference.trace(ray).unwrap_or_default();
+        let found = probe(&scene, std::slice::from_ref(ray), precision, false).remove(0);
+        [found, expected.iter().map(|expected| expected.hit).collect()]
     }
 }
 
