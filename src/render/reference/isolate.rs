@@ -90,8 +90,15 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
         if first == Reach::Within && second == Reach::Within {
             return None;
         }
-        match decide(&cell.system) {
+        match decide(&cell.system, tolerance) {
             Decision::Empty => {}
+            // A root that near beyond a side of the net may be on it; other cells hold those between.
+            Decision::Near(step) => {
+                let place = cell.low + cell.size * (DVec2::splat(0.5) - step);
+                if place.min_element() < -margin || place.max_element() > 1.0 + margin {
+                    return None;
+                }
+            }
             Decision::Root => {
                 let root = polish(system, cell.low + 0.5 * cell.size)?;
                 let outside = (root - cell.low - 0.5 * cell.size).abs() - 0.5 * cell.size;
@@ -145,6 +152,8 @@ fn reach(function: &Net, weights: &Net, tolerance: f64) -> Reach {
 
 enum Decision {
     Empty,
+    /// No root is in the cell, but about this far from its middle, in cells and backwards, is one that the tolerance would bring into it.
+    Near(DVec2),
     /// At most one root, and it is in the cell or a hair outside.
     Root,
     Unknown,
@@ -152,7 +161,7 @@ enum Decision {
 
 /// With G = J⁻¹ F, J the mean Jacobian and |G′ − 1| <= q over the cell: G(c) = G(c) − G(x) for a root x, so that
 /// |G(c)| <= (1 + q) |c − x|; and from |G(c)| <= (1 − q) r the simplified Newton method stays in the cell.
-fn decide(system: &System) -> Decision {
+fn decide(system: &System, tolerance: f64) -> Decision {
     let slopes = [0, 1].map(|k| [0, 1].map(|axis| differences(&system.functions[k], system.degrees, axis)));
     let mean = |net: &Net| net.iter().sum::<f64>() / net.len() as f64;
     let jacobian = DMat2::from_cols(
@@ -178,8 +187,14 @@ fn decide(system: &System) -> Decision {
         return Decision::Unknown;
     }
     let (value, _) = system.jet(DVec2::splat(0.5));
-    let step = (inverse * value).abs().max_element();
-    if step > 0.5 * (1.0 + q) { Decision::Empty } else { Decision::Root }
+    let step = inverse * value;
+    let heaviest = system.weights.iter().fold(0.0, |most, weight| weight.max(most));
+    let moved = (inverse.row(0).length().max(inverse.row(1).length())) * tolerance * heaviest;
+    match step.abs().max_element() - 0.5 * (1.0 + q) {
+        beyond if beyond > moved => Decision::Empty,
+        beyond if beyond > 0.0 => Decision::Near(step),
+        _ => Decision::Root,
+    }
 }
 
 /// Newton's method on the whole system, where it is most precise.
