@@ -22,6 +22,9 @@ const POLE_RATIO: f64 = 1.0 / 64.0;
 /// Weights in one leaf may differ by this factor.
 const MAX_WEIGHT_RATIO: f64 = 4.0;
 
+/// What the certificate's byte holds of the bound of second derivatives, in lengths of the shorter tangent: 254/64, less its slack.
+const MOST_BEND: f64 = 253.0 / 64.0;
+
 /// Rational patches with more control points get no certificate: the products cost the square of this.
 const MAX_CERTIFIED_POINTS: usize = 100;
 
@@ -110,6 +113,12 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
             worst[1 - axis] = (worst[1 - axis] - 0.5).max(0.0);
         }
         distortion = worst[0].max(worst[1]).max(worst[2] / length_u.min(length_v));
+        // The points of high degrees may be nearly flat while the bound of their second derivatives is beyond the certificate: without it
+        // near tangents cannot be searched cell by cell.
+        let second_derivatives = 8.0 * (bend_u + bend_v + twist);
+        if pole.is_none() && second_derivatives > MOST_BEND * length_u.min(length_v) {
+            distortion = distortion.max(1.0);
+        }
     } else if pole.is_none() {
         // Slender, or closed in itself: the mean tangent of a closed direction vanishes, but its polygon does not.
         split_axis = longer();
