@@ -92,16 +92,17 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
         }
         match decide(&cell.system, tolerance) {
             Decision::Empty => {}
-            // A root that near beyond a side of the net may be on it; other cells hold those between.
             Decision::Near(step) => {
-                let place = cell.low + cell.size * (DVec2::splat(0.5) - step);
-                if place.min_element() < -margin || place.max_element() > 1.0 + margin {
+                if is_beside(system, cell.low + cell.size * (DVec2::splat(0.5) - step), tolerance, margin) {
                     return None;
                 }
             }
             Decision::Root => {
                 let root = polish(system, cell.low + 0.5 * cell.size)?;
                 let outside = (root - cell.low - 0.5 * cell.size).abs() - 0.5 * cell.size;
+                if is_beside(system, root, tolerance, margin) {
+                    return None;
+                }
                 // One that lies just outside is its neighbour's as well.
                 let known = |other: &DVec2| (*other - root).abs().max_element() < SAME;
                 if outside.max_element() <= SAME && !roots.iter().any(known) {
@@ -125,6 +126,18 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
         }
     }
     Some(roots)
+}
+
+/// Whether a root is beyond a side of the net, but by less than the tolerance: on a narrow net that may be far in parameters.
+fn is_beside(system: &System, root: DVec2, tolerance: f64, margin: f64) -> bool {
+    let nearest = root.clamp(DVec2::splat(-margin), DVec2::splat(1.0 + margin));
+    if nearest == root {
+        return false;
+    }
+    let (value, _) = system.jet(nearest);
+    let rows: SmallVec<[f64; 8]> =
+        system.weights.chunks(system.degrees[1] + 1).map(|row| eval(row, nearest.y)).collect();
+    value.abs().max_element() <= tolerance * eval(&rows, nearest.x)
 }
 
 /// How far from 0 a quotient stays over a cell.
@@ -317,5 +330,23 @@ mod tests {
             let whole = DVec2::new(0.25 + 0.5 * uv.x, -0.5 + uv.y);
             assert!((part.jet(uv).0 - system.jet(whole).0).abs().max_element() < 1e-14);
         }
+    }
+
+    #[test]
+    fn what_passes_a_narrow_net_is_not_decided() {
+        // One parameter is 1e-7 long in the second function; the line passes at `beside` lengths from its end.
+        let strip = |beside: f64| System {
+            degrees: [1, 1],
+            functions: [
+                SmallVec::from_slice(&[-0.5, -0.5, 0.5, 0.5]),
+                SmallVec::from_slice(&[0.0, 1e-7, 0.0, 1e-7].map(|v| v - 1e-7 * (1.0 + beside))),
+            ],
+            weights: SmallVec::from_elem(1.0, 4),
+        };
+        assert_eq!(isolate(&strip(-0.5), 1e-9, 1e-6).map(|roots| roots.len()), Some(1));
+        assert!(isolate(&strip(0.05), 1e-8, 1e-6).is_none());
+        assert!(isolate(&strip(5.0), 1e-6, 1e-6).is_none());
+        assert_eq!(isolate(&strip(0.05), 1e-9, 1e-6).map(|roots| roots.len()), Some(0));
+        assert_eq!(isolate(&strip(5.0), 1e-8, 1e-6).map(|roots| roots.len()), Some(0));
     }
 }
