@@ -81,7 +81,7 @@ pub fn measure_sameness(
 }
 
 /// The rays' hits in `scene` and, moved by `placement`, in `changed`.
-fn compare(
+pub(super) fn compare(
     scene: &Scene<'_>,
     changed: &Scene<'_>,
     rays: &[Ray],
