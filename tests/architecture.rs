@@ -17,7 +17,7 @@ const CHAIN: &[(&str, &[&str])] = &[
     ("bake", &["numeric", "geometry", "brep", "trimming", "scene"]),
     ("image", &["numeric"]),
     ("render", &["numeric", "scene", "image"]),
-    ("bench", &["numeric", "brep", "import", "bake", "scene", "cache", "image", "render"]),
+    ("bench", &["numeric", "geometry", "brep", "import", "bake", "scene", "cache", "image", "render"]),
     ("cli", &["numeric", "brep", "import", "bake", "scene", "cache", "image", "render", "bench"]),
 ];
 

@@ -53,6 +53,12 @@ pub struct Accuracy {
     pub steep_distance: Quantiles,
     /// Angle between the normals, radians.
     pub normal: Quantiles,
+    /// Rays with an odd number of hits by the tracer, certain or not.
+    pub odd: u64,
+    /// The first ray with a hit missed or made up.
+    pub wrong: Option<Ray>,
+    /// The first ray with an odd number of hits.
+    pub odd_ray: Option<Ray>,
     /// Of a ray with all its hits, on one thread's share of time, seconds.
     pub seconds: f64,
 }
@@ -72,6 +78,18 @@ pub fn measure_accuracy(
         let Ray { origin, direction } = chord(scene, index);
         Ray { origin: origin - direction * (distance * radius), direction }
     };
+    measure_rays(scene, reference, precision, first, count, &ray)
+}
+
+/// [`measure_accuracy`] with the rays of choice, by their number.
+pub(super) fn measure_rays(
+    scene: &Scene<'_>,
+    reference: &Reference<'_>,
+    precision: Precision,
+    first: u64,
+    count: u64,
+    ray: &dyn Fn(u64) -> Ray,
+) -> Accuracy {
     let mut result = Accuracy { rays: count, ..Accuracy::default() };
     let (mut distances, mut steep, mut angles) = (Vec::new(), Vec::new(), Vec::new());
     let mut elapsed = 0.0;
@@ -85,7 +103,15 @@ pub fn measure_accuracy(
             .zip(&found)
             .map(|(ray, found)| reference.trace(ray).map(|expected| compare(&expected, found)))
             .collect();
-        for comparison in compared.into_iter().flatten() {
+        for (ray, _) in rays.iter().zip(&found).filter(|(_, hits)| hits.len() % 2 == 1) {
+            result.odd += 1;
+            result.odd_ray = result.odd_ray.or(Some(*ray));
+        }
+        for (ray, comparison) in rays.iter().zip(compared) {
+            let Some(comparison) = comparison else { continue };
+            if comparison.missed + comparison.phantom > 0 {
+                result.wrong = result.wrong.or(Some(*ray));
+            }
             result.certain += 1;
             result.hits += comparison.errors.len() as u64 + comparison.missed;
             result.missed += comparison.missed;

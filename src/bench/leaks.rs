@@ -27,16 +27,22 @@ pub struct Leaks {
 }
 
 impl Leaks {
-    /// With a confidence of 95 % no more than this share of all such rays is odd (Wilson's upper bound; three by the number where none was).
+    /// See [`rate_bound`].
     pub fn bound(&self) -> f64 {
-        let (n, p) = (self.rays.max(1) as f64, self.odd as f64 / self.rays.max(1) as f64);
-        if self.odd == 0 {
-            return 3.0 / n;
-        }
-        let z = 1.96;
-        let spread = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
-        (p + z * z / (2.0 * n) + spread) / (1.0 + z * z / n)
+        rate_bound(self.rays, self.odd)
     }
+}
+
+/// Where `k` of `n` rays were seen to be something, with a confidence of 95 % no more than this share of all such rays is (Wilson's upper
+/// bound; three by the number where none was).
+pub fn rate_bound(n: u64, k: u64) -> f64 {
+    let (n, p) = (n.max(1) as f64, k as f64 / n.max(1) as f64);
+    if k == 0 {
+        return 3.0 / n;
+    }
+    let z = 1.96;
+    let spread = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    (p + z * z / (2.0 * n) + spread) / (1.0 + z * z / n)
 }
 
 /// Whether the scene is made of closed solids alone, with all faces of its model: then all rays from outside have an even number of hits.

@@ -5,10 +5,11 @@ mod leaks;
 mod plot;
 mod rays;
 mod stages;
+pub mod stress;
 mod work;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
-pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
+pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
 pub use plot::{PlotPoint, work_precision_svg};
 pub use rays::{aimed, chord};
 pub use stages::{Seconds, Stages, measure_stages};

@@ -31,7 +31,7 @@ pub fn aimed(scene: &Scene<'_>, points: &[DVec3], index: u64) -> Ray {
 }
 
 /// The point of the unit sphere that belongs to a point of the unit square, area by area.
-fn on_sphere(a: f64, b: f64) -> DVec3 {
+pub(super) fn on_sphere(a: f64, b: f64) -> DVec3 {
     let z = 1.0 - 2.0 * a;
     let (sin, cos) = (b * std::f64::consts::TAU).sin_cos();
     let across = (1.0 - z * z).max(0.0).sqrt();
@@ -39,7 +39,7 @@ fn on_sphere(a: f64, b: f64) -> DVec3 {
 }
 
 /// A number in [0, 1) that looks random and depends on its place alone (the mixer of SplitMix64, Steele, Lea and Flood 2014).
-fn unit(index: u64, stream: u64) -> f64 {
+pub(super) fn unit(index: u64, stream: u64) -> f64 {
     let mut x = index.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

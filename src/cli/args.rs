@@ -216,6 +216,7 @@ pub(super) enum BenchCommand {
     Accuracy(BenchAccuracy),
     Work(BenchWork),
     Leaks(BenchLeaks),
+    Stress(BenchStress),
 }
 
 /// Times of each stage from a file to a baked scene: the least of all repetitions.
@@ -325,6 +326,36 @@ pub(super) struct BenchLeaks {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) show: usize,
     /// One JSON object a line.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Scenes that are hard to trace, made by the program itself: hits against the f64 reference, odd rays, and shapes in other forms.
+///
+/// Each scene is traced with rays made for it (near tangents, past slivers, through edges, from afar) and with chords of its sphere. Only rays
+/// of which the reference is certain are compared; odd rays are counted on closed solids. The scenes called same-… are traced again moved,
+/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, where all hits have to stay within 1e-6 of the
+/// scene's size in f32 and 1e-12 in f64. Rates are upper bounds at 95 %.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench stress
+  trimray bench stress --only torus-rim --rays 1000000 --precision f32
+  trimray bench stress --json > stress.jsonl")]
+pub(super) struct BenchStress {
+    /// How many rays of each kind for each scene.
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// Only the scenes whose names begin so.
+    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
+    pub(super) only: String,
+    /// Numbers to compute with [default: both].
+    #[arg(long, value_enum)]
+    pub(super) precision: Option<PrecisionChoice>,
+    /// One JSON object a line, with the first ray that went wrong.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -2,7 +2,7 @@
 
 use super::args::{Bench, BenchCommand, BenchStages, General};
 use super::bake::size_text;
-use super::{bench_accuracy, bench_leaks, bench_work};
+use super::{bench_accuracy, bench_leaks, bench_stress, bench_work};
 use crate::bench::{Stages, measure_stages};
 use serde::Serialize;
 use std::io::Write;
@@ -14,6 +14,7 @@ pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
         BenchCommand::Accuracy(command) => bench_accuracy::run(command, general),
         BenchCommand::Work(command) => bench_work::run(command),
         BenchCommand::Leaks(command) => bench_leaks::run(command),
+        BenchCommand::Stress(command) => bench_stress::run(command),
     }
 }
 

@@ -68,7 +68,7 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
 }
 
 fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, found: &Accuracy) -> Line<'a> {
-    let Accuracy { rays, certain, hits, missed, phantom, distance, steep_distance, normal, seconds } = *found;
+    let Accuracy { rays, certain, hits, missed, phantom, distance, steep_distance, normal, seconds, .. } = *found;
     let errors = |q: Quantiles| Errors { median: q.median, p99: q.p99, p999: q.p999, max: q.max };
     Line {
         file: path.to_string_lossy(),

@@ -8,6 +8,7 @@ mod bake;
 mod bench;
 mod bench_accuracy;
 mod bench_leaks;
+mod bench_stress;
 mod bench_work;
 mod device;
 mod info;

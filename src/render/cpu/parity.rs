@@ -117,20 +117,37 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
     Some(stays)
 }
 
-/// Where nothing is known of inside and outside: one of two hits at one place and from one side, if not both are certain.
+/// Where nothing is known of inside and outside: of hits at one place and from one side the certain ones, or one where none is.
 fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<bool> {
     let slack = |crossing: &Crossing<T>| number::<T>(scene.faces[crossing.hit.face as usize].slack.into());
+    one_of_each(crossings, slack)
+}
+
+/// [`without_overlaps`] with the slack of a crossing's face. More than two hits may be at one place, where four leaves meet, and those of the other side
+/// of a fold may be between them.
+fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>) -> T) -> Vec<bool> {
     let mut stays = vec![true; crossings.len()];
     for index in 1..crossings.len() {
-        let (own, before) = (&crossings[index], &crossings[index - 1]);
-        let apart = own.hit.distance.minus(before.hit.distance);
-        let steepness = own.facing.abs().min(before.facing.abs()).max(number(SIDEWAYS));
-        let is_same = (own.facing < T::ZERO) == (before.facing < T::ZERO)
-            && apart * steepness <= (slack(own) + slack(before)) * number(2.0);
-        if is_same && !own.hit.is_certain {
-            stays[index] = !stays[index - 1];
-        } else if is_same && !before.hit.is_certain {
-            stays[index - 1] = false;
+        let own = &crossings[index];
+        for before in (0..index).rev() {
+            let other = &crossings[before];
+            let apart = own.hit.distance.minus(other.hit.distance);
+            let reach = (slack(own) + slack(other)) * number(2.0);
+            // No pair is farther apart than this.
+            if apart * number(SIDEWAYS) > reach {
+                break;
+            }
+            let steepness = own.facing.abs().min(other.facing.abs()).max(number(SIDEWAYS));
+            let is_same = (own.facing < T::ZERO) == (other.facing < T::ZERO) && apart * steepness <= reach;
+            if !is_same || !stays[before] || own.hit.is_certain && other.hit.is_certain {
+                continue;
+            }
+            if own.hit.is_certain {
+                stays[before] = false;
+            } else {
+                stays[index] = false;
+                break;
+            }
         }
     }
     stays
@@ -177,5 +194,21 @@ mod tests {
         assert_eq!(stays(&late), Some(vec![true; 4]));
         let from_inside = in_turn(&[crossing(1.0, true)], false);
         assert_eq!(from_inside, Some(vec![true]));
+    }
+
+    #[test]
+    fn one_hit_of_each_place_and_side_stays() {
+        let stays = |crossings: &[(f32, bool)]| {
+            let crossings: Vec<_> =
+                crossings.iter().map(|&(facing, certain)| crossing(facing, certain)).collect();
+            one_of_each(&crossings, |_| 1e-6)
+        };
+        assert_eq!(stays(&[(-1.0, false); 4]), [true, false, false, false]);
+        assert_eq!(
+            stays(&[(-1.0, false), (1.0, false), (-1.0, false), (1.0, false)]),
+            [true, true, false, false]
+        );
+        assert_eq!(stays(&[(-1.0, false), (-1.0, true), (-1.0, false)]), [false, true, false]);
+        assert_eq!(stays(&[(-1.0, true), (-1.0, true)]), [true, true]);
     }
 }

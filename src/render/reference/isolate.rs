@@ -90,11 +90,19 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
         if first == Reach::Within && second == Reach::Within {
             return None;
         }
-        match decide(&cell.system) {
+        match decide(&cell.system, tolerance) {
             Decision::Empty => {}
+            Decision::Near(step) => {
+                if is_beside(system, cell.low + cell.size * (DVec2::splat(0.5) - step), tolerance, margin) {
+                    return None;
+                }
+            }
             Decision::Root => {
                 let root = polish(system, cell.low + 0.5 * cell.size)?;
                 let outside = (root - cell.low - 0.5 * cell.size).abs() - 0.5 * cell.size;
+                if is_beside(system, root, tolerance, margin) {
+                    return None;
+                }
                 // One that lies just outside is its neighbour's as well.
                 let known = |other: &DVec2| (*other - root).abs().max_element() < SAME;
                 if outside.max_element() <= SAME && !roots.iter().any(known) {
@@ -118,6 +126,18 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
         }
     }
     Some(roots)
+}
+
+/// Whether a root is beyond a side of the net, but by less than the tolerance: on a narrow net that may be far in parameters.
+fn is_beside(system: &System, root: DVec2, tolerance: f64, margin: f64) -> bool {
+    let nearest = root.clamp(DVec2::splat(-margin), DVec2::splat(1.0 + margin));
+    if nearest == root {
+        return false;
+    }
+    let (value, _) = system.jet(nearest);
+    let rows: SmallVec<[f64; 8]> =
+        system.weights.chunks(system.degrees[1] + 1).map(|row| eval(row, nearest.y)).collect();
+    value.abs().max_element() <= tolerance * eval(&rows, nearest.x)
 }
 
 /// How far from 0 a quotient stays over a cell.
@@ -145,6 +165,8 @@ fn reach(function: &Net, weights: &Net, tolerance: f64) -> Reach {
 
 enum Decision {
     Empty,
+    /// No root is in the cell, but about this far from its middle, in cells and backwards, is one that the tolerance would bring into it.
+    Near(DVec2),
     /// At most one root, and it is in the cell or a hair outside.
     Root,
     Unknown,
@@ -152,7 +174,7 @@ enum Decision {
 
 /// With G = J⁻¹ F, J the mean Jacobian and |G′ − 1| <= q over the cell: G(c) = G(c) − G(x) for a root x, so that
 /// |G(c)| <= (1 + q) |c − x|; and from |G(c)| <= (1 − q) r the simplified Newton method stays in the cell.
-fn decide(system: &System) -> Decision {
+fn decide(system: &System, tolerance: f64) -> Decision {
     let slopes = [0, 1].map(|k| [0, 1].map(|axis| differences(&system.functions[k], system.degrees, axis)));
     let mean = |net: &Net| net.iter().sum::<f64>() / net.len() as f64;
     let jacobian = DMat2::from_cols(
@@ -178,8 +200,14 @@ fn decide(system: &System) -> Decision {
         return Decision::Unknown;
     }
     let (value, _) = system.jet(DVec2::splat(0.5));
-    let step = (inverse * value).abs().max_element();
-    if step > 0.5 * (1.0 + q) { Decision::Empty } else { Decision::Root }
+    let step = inverse * value;
+    let heaviest = system.weights.iter().fold(0.0, |most, weight| weight.max(most));
+    let moved = (inverse.row(0).length().max(inverse.row(1).length())) * tolerance * heaviest;
+    match step.abs().max_element() - 0.5 * (1.0 + q) {
+        beyond if beyond > moved => Decision::Empty,
+        beyond if beyond > 0.0 => Decision::Near(step),
+        _ => Decision::Root,
+    }
 }
 
 /// Newton's method on the whole system, where it is most precise.
@@ -302,5 +330,23 @@ mod tests {
             let whole = DVec2::new(0.25 + 0.5 * uv.x, -0.5 + uv.y);
             assert!((part.jet(uv).0 - system.jet(whole).0).abs().max_element() < 1e-14);
         }
+    }
+
+    #[test]
+    fn what_passes_a_narrow_net_is_not_decided() {
+        // One parameter is 1e-7 long in the second function; the line passes at `beside` lengths from its end.
+        let strip = |beside: f64| System {
+            degrees: [1, 1],
+            functions: [
+                SmallVec::from_slice(&[-0.5, -0.5, 0.5, 0.5]),
+                SmallVec::from_slice(&[0.0, 1e-7, 0.0, 1e-7].map(|v| v - 1e-7 * (1.0 + beside))),
+            ],
+            weights: SmallVec::from_elem(1.0, 4),
+        };
+        assert_eq!(isolate(&strip(-0.5), 1e-9, 1e-6).map(|roots| roots.len()), Some(1));
+        assert!(isolate(&strip(0.05), 1e-8, 1e-6).is_none());
+        assert!(isolate(&strip(5.0), 1e-6, 1e-6).is_none());
+        assert_eq!(isolate(&strip(0.05), 1e-9, 1e-6).map(|roots| roots.len()), Some(0));
+        assert_eq!(isolate(&strip(5.0), 1e-8, 1e-6).map(|roots| roots.len()), Some(0));
     }
 }

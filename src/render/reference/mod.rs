@@ -184,10 +184,11 @@ impl<'a> Reference<'a> {
         let size = bounds.diagonal();
         let tolerance = TOLERANCE * size + step * f64::from(f32::EPSILON);
         let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64().normalize());
-        if passes_by(&bounds.grown(2.0 * tolerance), origin, direction) {
+        if passes_by(&bounds.grown(2.0 * tolerance.max(face.slack.into())), origin, direction) {
             return Some(());
         }
-        let roots = isolate(&system(scene, net, origin, direction), tolerance, PARAMETER_TOLERANCE)?;
+        let near = tolerance.max(f64::from(face.slack));
+        let roots = isolate(&system(scene, net, origin, direction), near, PARAMETER_TOLERANCE)?;
         for root in roots {
             let uv = root.to_array();
             let jet = net_jet(scene, net, ray.origin, uv);
