@@ -24,6 +24,9 @@ struct Line<'a> {
     steep_distance: Errors,
     normal: Errors,
     microseconds: f64,
+    /// Origin and direction of the first ray with a hit missed or made up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wrong: Option<[[f64; 3]; 2]>,
 }
 
 /// See [`Quantiles`].
@@ -68,7 +71,19 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
 }
 
 fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, found: &Accuracy) -> Line<'a> {
-    let Accuracy { rays, certain, hits, missed, phantom, distance, steep_distance, normal, seconds, .. } = *found;
+    let Accuracy {
+        rays,
+        certain,
+        hits,
+        missed,
+        phantom,
+        distance,
+        steep_distance,
+        normal,
+        seconds,
+        wrong,
+        ..
+    } = *found;
     let errors = |q: Quantiles| Errors { median: q.median, p99: q.p99, p999: q.p999, max: q.max };
     Line {
         file: path.to_string_lossy(),
@@ -83,6 +98,7 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
         steep_distance: errors(steep_distance),
         normal: errors(normal),
         microseconds: seconds * 1e6,
+        wrong: wrong.map(|ray| [ray.origin.to_array(), ray.direction.to_array()]),
     }
 }
 

@@ -235,11 +235,11 @@ fn search<T: Kernel>(
     let miss = (from_origin - ray.direction * t).greatest();
     let size =
         Vector3::<T>::from_f32(leaf.tangent_u).greatest() + Vector3::<T>::from_f32(leaf.tangent_v).greatest();
-    // What does not converge within the limit is a near tangent or at a pole: it counts where the ray comes as close as roundings and the slack
-    // let us tell.
+    // A last step leaves its square. What does not converge within the limit is a near tangent, is at a pole, or is lost in the roundings of a net
+    // that is much larger than its surface, which the slack holds.
     let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
-    let unsure = (rounding * number(64.0)).max(*slack * number(0.25));
-    let tolerance = if converged { rounding * number(4096.0) } else { unsure };
+    let steps = if converged { number::<T>(256.0) } else { number::<T>(16.0) };
+    let tolerance = (rounding * steps).max(*slack * number(0.5));
     if !(miss <= tolerance) {
         return;
     }
