@@ -18,6 +18,9 @@ const HEIGHT: f64 = 420.0;
 /// Left, top, right, bottom.
 const MARGINS: [f64; 4] = [64.0, 40.0, 150.0, 48.0];
 
+/// Labels that fit side by side below the plot, but one.
+const MOST_LABELS: i32 = 8;
+
 /// Colour-blind safe (Okabe and Ito 2008).
 const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
@@ -51,11 +54,14 @@ pub fn work_precision_svg(title: &str, points: &[PlotPoint]) -> String {
         let _ = writeln!(svg, "{text}");
     };
     let (floor, ceiling, end) = (HEIGHT - bottom, top, WIDTH - right);
+    let labelled = (errors[1] - errors[0] + MOST_LABELS - 1) / MOST_LABELS;
     for decade in errors[0]..=errors[1] {
         let at = x(10f64.powi(decade));
         line(format_args!("<path d=\"M{at:.1} {floor}V{ceiling}\" stroke=\"#dddddd\"/>"));
-        let below = floor + 16.0;
-        line(format_args!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">1e{decade}</text>"));
+        if (errors[1] - decade) % labelled == 0 {
+            let below = floor + 16.0;
+            line(format_args!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">1e{decade}</text>"));
+        }
     }
     for decade in times[0]..=times[1] {
         let at = y(10f64.powi(decade));

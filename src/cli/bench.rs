@@ -1,6 +1,7 @@
 //! `trimray bench`: measurements.
 
-use super::args::{Bench, BenchCommand, BenchStages, General};
+use super::args::General;
+use super::args_bench::{Bench, BenchCommand, BenchStages};
 use super::bake::size_text;
 use super::{bench_accuracy, bench_leaks, bench_stress, bench_work};
 use crate::bench::{Stages, measure_stages};

@@ -1,6 +1,7 @@
 //! `trimray bench accuracy`: hits against the reference.
 
-use super::args::{BenchAccuracy, General};
+use super::args::General;
+use super::args_bench::BenchAccuracy;
 use super::load::{Purpose, load};
 use crate::bench::{Accuracy, Quantiles, measure_accuracy};
 use crate::render::cpu::Precision;

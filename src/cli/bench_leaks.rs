@@ -1,6 +1,7 @@
 //! `trimray bench leaks`: odd rays of closed solids.
 
-use super::args::{BenchLeaks, PrecisionChoice};
+use super::args::PrecisionChoice;
+use super::args_bench::BenchLeaks;
 use crate::bake::{BakeOptions, bake};
 use crate::bench::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 use crate::import::import;

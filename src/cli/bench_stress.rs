@@ -1,6 +1,7 @@
 //! `trimray bench stress`: scenes that are hard to trace.
 
-use super::args::{BenchStress, PrecisionChoice};
+use super::args::PrecisionChoice;
+use super::args_bench::BenchStress;
 use crate::bench::stress::{Change, RayKind, SUBJECTS, Sameness, StressScene, cases, measure_sameness};
 use crate::bench::{Accuracy, rate_bound};
 use crate::render::cpu::Precision;

@@ -1,6 +1,6 @@
 //! `trimray bench work`: run time against error, as a table, as CSV and as a plot.
 
-use super::args::BenchWork;
+use super::args_bench::BenchWork;
 use crate::bench::{PlotPoint, WorkPoint, measure_work, work_precision_svg};
 use crate::import::import;
 use anyhow::Context;

@@ -4,6 +4,7 @@
 //! 2 usage, 3 partial import under `--strict`, 4 nothing to render.
 
 mod args;
+mod args_bench;
 mod bake;
 mod bench;
 mod bench_accuracy;

@@ -1,0 +1,167 @@
+//! `trimray bench` as clap sees it.
+
+use super::args::PrecisionChoice;
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Measures how fast trimray is on this machine, and how exact.
+#[derive(Debug, Args)]
+pub(super) struct Bench {
+    #[command(subcommand)]
+    pub(super) command: BenchCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum BenchCommand {
+    Stages(BenchStages),
+    Accuracy(BenchAccuracy),
+    Work(BenchWork),
+    Leaks(BenchLeaks),
+    Stress(BenchStress),
+}
+
+/// Times of each stage from a file to a baked scene: the least of all repetitions.
+///
+/// `decode` is the decoding of all entities that shape refers to, each once, on one thread, measured on its own; the mapping decodes
+/// what it reaches by itself, so `map` includes that work and the sums leave `decode` out.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench stages part.step
+  trimray bench stages *.step --json --repeat 5 > stages.jsonl")]
+pub(super) struct BenchStages {
+    /// STEP or IGES files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// How often to import and bake each.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) repeat: u16,
+    /// One JSON object a line, times in seconds.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Hits of the CPU tracer against an f64 reference that subdivides every net: missed and made-up hits, errors, time per ray.
+///
+/// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size would change its hits;
+/// only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
+/// compares with the model's f64 numbers, so that the baking counts too. Errors of distance are relative to the size of the net or face piece
+/// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; angles are in radians.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench accuracy part.step
+  trimray bench accuracy *.step --rays 1000000 --json > accuracy.jsonl")]
+pub(super) struct BenchAccuracy {
+    /// STEP or IGES files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// How many rays.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
+    pub(super) rays: u64,
+    /// Start the rays so many radii of the scene farther away.
+    #[arg(long, value_name = "RADII", default_value_t = 0.0, value_parser = parse_distance)]
+    pub(super) distance: f64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// One JSON object a line.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Run time against error: first hits at five distortions of the leaves, three exactnesses and two precisions.
+///
+/// Each setting's bake time, bytes, nanoseconds a ray on one thread, and the errors of its first hits against the f64 reference, in diagonals of
+/// the scene. `--csv` appends rows that tools/rival/mesh_embree.py writes too, for a mesh of the same model; `--rival` reads those, so that the
+/// plot shows both.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench work part.step
+  trimray bench work part.step --csv work.csv --rival mesh.csv --plot work.svg")]
+pub(super) struct BenchWork {
+    /// A STEP or IGES file.
+    #[arg(value_name = "INPUT")]
+    pub(super) input: PathBuf,
+    /// How many rays.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// Write the rows here, as comma-separated values.
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
+    /// Rows of another tracer to show beside ours.
+    #[arg(long, value_name = "FILE")]
+    pub(super) rival: Option<PathBuf>,
+    /// Write a log-log plot here, as SVG.
+    #[arg(long, value_name = "FILE")]
+    pub(super) plot: Option<PathBuf>,
+}
+
+/// Rays that see an odd number of walls of closed solids.
+///
+/// Half of the rays are chords of the scene's bounding sphere, half pass by edges at 1e-9 to 1e-3 of the scene's size. `closed` says whether the
+/// model is made of whole solids alone; where it is not, odd rays are no fault. Rates are upper bounds at 95 %.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench leaks part.step
+  trimray bench leaks *.step --rays 10000000 --precision f32 --json > leaks.jsonl")]
+pub(super) struct BenchLeaks {
+    /// STEP or IGES files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// How many rays.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=10_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// Numbers to compute with [default: both].
+    #[arg(long, value_enum)]
+    pub(super) precision: Option<PrecisionChoice>,
+    /// Print so many odd rays of each kind, as lines that `probe --rays` reads.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) show: usize,
+    /// One JSON object a line.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Scenes that are hard to trace, made by the program itself: hits against the f64 reference, odd rays, and shapes in other forms.
+///
+/// Each scene is traced with rays made for it (near tangents, past slivers, through edges, from afar) and with chords of its sphere. Only rays
+/// of which the reference is certain are compared; odd rays are counted on closed solids. The scenes called same-… are traced again moved,
+/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, where all hits have to stay within 1e-6 of the
+/// scene's size in f32 and 1e-12 in f64. Rates are upper bounds at 95 %.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench stress
+  trimray bench stress --only torus-rim --rays 1000000 --precision f32
+  trimray bench stress --json > stress.jsonl")]
+pub(super) struct BenchStress {
+    /// How many rays of each kind for each scene.
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
+    pub(super) rays: u64,
+    /// The number of the first ray in the sequence: other rays than those of an earlier run.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) first: u64,
+    /// Only the scenes whose names begin so.
+    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
+    pub(super) only: String,
+    /// Numbers to compute with [default: both].
+    #[arg(long, value_enum)]
+    pub(super) precision: Option<PrecisionChoice>,
+    /// One JSON object a line, with the first ray that went wrong.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+fn parse_distance(text: &str) -> Result<f64, String> {
+    let distance: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    if (0.0..=1e9).contains(&distance) { Ok(distance) } else { Err("it has to be from 0 to 1e9".to_owned()) }
+}
