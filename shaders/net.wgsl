@@ -175,7 +175,7 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, roots: ptr<function, Net
     let miss = greatest(from_origin - at.ray.direction * t);
     let size = greatest(net_leaves[at.leaf].tangent_u) + greatest(net_leaves[at.leaf].tangent_v);
     let rounding = (size + greatest(from_origin + at.ray.origin)) * EPSILON;
-    let tolerance = max(rounding * select(16.0, 256.0, search.converged), at.slack * 0.5);
+    let tolerance = max(rounding * select(16.0, 256.0, search.converged), at.slack * select(0.5, 4.0, search.converged));
     if is_own && miss <= tolerance {
         add_root(roots, NetRoot(uv, t, print), at.domain);
     }

@@ -235,11 +235,11 @@ fn search<T: Kernel>(
     let miss = (from_origin - ray.direction * t).greatest();
     let size =
         Vector3::<T>::from_f32(leaf.tangent_u).greatest() + Vector3::<T>::from_f32(leaf.tangent_v).greatest();
-    // A last step leaves its square. What does not converge within the limit is a near tangent, is at a pole, or is lost in the roundings of a net
-    // that is much larger than its surface, which the slack holds.
+    // A last step leaves its square, and what a net that is larger than its surface rounds, of which the slack knows. What does not converge within
+    // the limit is a near tangent or at a pole, and counts as far as roundings and the slack leave it open.
     let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
-    let steps = if converged { number::<T>(256.0) } else { number::<T>(16.0) };
-    let tolerance = (rounding * steps).max(*slack * number(0.5));
+    let (steps, slacks) = if converged { (256.0, 4.0) } else { (16.0, 0.5) };
+    let tolerance = (rounding * number(steps)).max(*slack * number(slacks));
     if !(miss <= tolerance) {
         return;
     }
