@@ -1,7 +1,7 @@
 // Where in a leaf of a net Newton's method is to start; the twin of render/cpu/isolate.rs, where the essay is.
 
 const MAX_ISOLATION_LEVEL: u32 = 8u;
-const MAX_ISOLATION_CELLS: u32 = 1024u;
+const MAX_ISOLATION_CELLS: u32 = 4096u;
 
 // A square of a leaf's domain, of side 2^-level.
 struct Cell {

@@ -18,7 +18,7 @@ use crate::scene::bend_bound;
 
 /// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
 const MAX_ISOLATION_LEVEL: u32 = 8;
-pub const MAX_ISOLATION_CELLS: u32 = 1024;
+pub const MAX_ISOLATION_CELLS: u32 = 4096;
 
 /// A square of a leaf's domain, of side 2^-level.
 #[derive(Debug, Clone, Copy, Default)]
