@@ -38,6 +38,13 @@ fn next_cell(cell: ptr<function, Cell>) -> bool {
     return (*cell).level != 0u;
 }
 
+fn is_at_end(cell: Cell, domain: Domain) -> bool {
+    let last = vec2<u32>((1u << cell.level) - 1u);
+    let high = domain.low + domain.size;
+    return any((cell.place == vec2<u32>(0u)) & (domain.low == vec2<f32>(0.0)))
+        || any((cell.place == last) & (high == vec2<f32>(1.0)));
+}
+
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let a = net_leaves[at.leaf].tangent_u;
     let b = net_leaves[at.leaf].tangent_v;
@@ -49,7 +56,7 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let f_s = (plane_values(at.planes, jet.by_u) - f * jet.by_u.w) * scale * at.domain.size.x;
     let f_t = (plane_values(at.planes, jet.by_v) - f * jet.by_v.w) * scale * at.domain.size.y;
     let reach = cell_radius(cell) * (1.0 + 1.0 / 64.0);
-    let remainder = bend * 0.5 * reach * reach + rounding + at.slack;
+    let remainder = bend * 0.5 * reach * reach + rounding + select(0.0, at.slack, is_at_end(cell, at.domain));
     let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
     let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
     let slope = at.planes.slope;

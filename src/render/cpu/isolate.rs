@@ -10,7 +10,7 @@
 //! after the first step `½ K e² <= ½ e` is left, and the derivative's inverse has at most doubled. Both are asked for with a tenth to spare.
 
 use super::bernstein::NetJet;
-use super::net::LeafRay;
+use super::net::{Domain, LeafRay};
 use super::planes::plane_values;
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
@@ -62,6 +62,15 @@ impl Cell {
         (level > 0).then_some(Self { level, place })
     }
 
+    /// Whether the net ends at one of its sides: a root may lie beyond that, by the slack.
+    pub fn is_at_end<T: Real>(self, domain: &Domain<T>) -> bool {
+        let last = (1 << self.level) - 1;
+        (0..2).any(|k| {
+            self.place[k] == 0 && domain.low[k] == T::ZERO
+                || self.place[k] == last && domain.low[k] + domain.size[k] == T::ONE
+        })
+    }
+
     /// Half the side.
     pub fn cell_radius<T: Real>(self) -> T {
         number::<T>(0.5) / T::from_f32((1_u32 << self.level) as f32)
@@ -101,7 +110,8 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
     let (f_s, f_t) = (slopes(*by_u, at.domain.size[0]), slopes(*by_v, at.domain.size[1]));
     // A little more than the cell, so that roots on its edges are in it.
     let reach = cell.cell_radius::<T>() * number(1.0 + 1.0 / 64.0);
-    let remainder = bend * number(0.5) * reach * reach + rounding + at.slack;
+    let beyond = if cell.is_at_end(&at.domain) { at.slack } else { T::ZERO };
+    let remainder = bend * number(0.5) * reach * reach + rounding + beyond;
     let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
     let step = [f[0] * f_t[1] - f[1] * f_t[0], f_s[0] * f[1] - f_s[1] * f[0]];
     let rows = [norm([f_t[1], -f_t[0]]), norm([-f_s[1], f_s[0]])];
