@@ -78,7 +78,7 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
 fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     var roots = Roots();
     var slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    slide = select(0.0, slide, abs(slide) * length(d) <= 2.0 * (length(o) + abs(radius)));
+    slide = select(0.0, slide, abs(slide) * length(d) <= 64.0 * (length(o) + abs(radius)));
     let p = fused(d, slide, o);
     let rho = radius + slope * p.z;
     let drho = slope * d.z;
@@ -89,22 +89,22 @@ fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
     if discriminant >= -2.0 * EPSILON * terms {
         let q = -(b + signum(b) * sqrt(max(discriminant, 0.0)));
-        insert(&roots, slide + polish_cone(p, d, radius, slope, q / a));
-        insert(&roots, slide + polish_cone(p, d, radius, slope, c / q));
+        insert(&roots, polish_cone(o, d, radius, slope, slide + q / a));
+        insert(&roots, polish_cone(o, d, radius, slope, slide + c / q));
     }
     return roots;
 }
 
 fn polish_cone(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32, start: f32) -> f32 {
     var t = start;
-    for (var i = 0; i < 2; i++) {
+    for (var i = 0; i < 3; i++) {
         let p = o + d * t;
         let across = length(p.xy);
         let rho = abs(radius + slope * p.z);
         let side = signum(radius + slope * p.z);
         let change = (p.x * d.x + p.y * d.y) / across - side * slope * d.z;
         let next = t - (across - rho) / change;
-        if !is_finite(next) || abs(next - t) > 0.001 * (across + rho) {
+        if !is_finite(next) || abs(next - t) > 0.25 * (across + rho) {
             return t;
         }
         t = next;

@@ -24,11 +24,15 @@ const MOST_LABELS: i32 = 8;
 /// Colour-blind safe (Okabe and Ito 2008).
 const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
-/// The whole decades around `values`.
+/// The whole decades around `values`; one where there are none.
 fn decades(values: impl Iterator<Item = f64> + Clone) -> [i32; 2] {
-    let low = values.clone().fold(f64::INFINITY, f64::min).log10().floor() as i32;
-    let high = values.fold(0.0, f64::max).log10().ceil() as i32;
-    [low, high.max(low + 1)]
+    let (low, high) =
+        values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return [0, 1];
+    }
+    let low = low.log10().floor() as i32;
+    [low, (high.log10().ceil() as i32).max(low + 1)]
 }
 
 /// The text of the picture; `points` with errors or times that have no logarithm are left out.

@@ -101,14 +101,14 @@ fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots
 
 /// `x² + y² = (r + k z)²`, both nappes: the trim window tells them apart.
 ///
-/// The discriminant of a cone has no such form as a sphere's; two Newton steps on the implicit, evaluated at the root, make up for what
+/// The discriminant of a cone has no such form as a sphere's; three Newton steps on the implicit, evaluated at the root, make up for what
 /// its rounding costs.
 #[inline]
 pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) -> Roots<T> {
     let mut roots = Roots::none();
-    // The closest approach to the axis, unless it is far off, as it is for rays along the axis.
+    // The closest approach to the axis, unless it is far off, as it is for rays along the axis. What the way there and back rounds is polished away.
     let slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    let is_near = slide.abs() * d.length() <= number::<T>(2.0) * (o.length() + radius.abs());
+    let is_near = slide.abs() * d.length() <= number::<T>(64.0) * (o.length() + radius.abs());
     let slide = if is_near { slide } else { T::ZERO };
     let p = d.fused(slide, o);
     let (rho, drho) = (radius + slope * p.z, slope * d.z);
@@ -120,15 +120,15 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
     if discriminant >= -number::<T>(2.0) * T::EPSILON * terms {
         let q = -(b + b.signum() * discriminant.max(T::ZERO).sqrt());
-        roots.insert(slide + polish_cone(p, d, radius, slope, q / a));
-        roots.insert(slide + polish_cone(p, d, radius, slope, c / q));
+        roots.insert(polish_cone(o, d, radius, slope, slide + q / a));
+        roots.insert(polish_cone(o, d, radius, slope, slide + c / q));
     }
     roots
 }
 
 fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
     let mut t = start;
-    for _ in 0..2 {
+    for _ in 0..3 {
         let p = o + d * t;
         let across = (p.x * p.x + p.y * p.y).sqrt();
         let rho = (radius + slope * p.z).abs();
@@ -136,7 +136,7 @@ fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start
         let change = (p.x * d.x + p.y * d.y) / across - sign * slope * d.z;
         let next = t - (across - rho) / change;
         // A tangent or a ray through the apex has no slope to follow.
-        if !((next - t).abs() <= number::<T>(0.001) * (across + rho)) {
+        if !((next - t).abs() <= number::<T>(0.25) * (across + rho)) {
             return t;
         }
         t = next;
