@@ -82,8 +82,6 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
     let origin = apply_axes(index, ray.origin);
     let direction = apply_axes(index, ray.direction);
     let radii = vec2<f32>(face.radius_0, face.radius_1);
-    let beside = sides(part_ray.direction);
-    let own_beside = Sides(apply_axes(index, beside.first), apply_axes(index, beside.second));
     var roots = carrier_roots(face.kind, origin, direction, radii);
     for (var i = 0u; i < roots.count; i++) {
         let t = roots.t[i];
@@ -99,6 +97,8 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         }
         let s = carrier_tangents(face.kind, point, radii);
         let curvature = carrier_curvature(face.kind, point, radii);
+        let beside = sides(part_ray.direction);
+        let own_beside = Sides(apply_axes(index, beside.first), apply_axes(index, beside.second));
         let print = scaled(footprint(direction, own_beside, s.u, s.v, curvature, face.slack), face.uv_scale);
         let margin = vec2<f32>(
             window_margin(face.uv_low.x, face.uv_scale.x),

@@ -1,10 +1,12 @@
 //! `trimray bench`: measurements.
 
-use super::args::General;
+use super::args::{General, PrecisionChoice};
 use super::args_bench::{Bench, BenchCommand, BenchStages};
 use super::bake::size_text;
 use super::{bench_accuracy, bench_leaks, bench_stress, bench_work};
 use crate::bench::{Stages, measure_stages};
+use crate::render::Ray;
+use crate::render::cpu::Precision;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
@@ -17,6 +19,22 @@ pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
         BenchCommand::Leaks(command) => bench_leaks::run(command),
         BenchCommand::Stress(command) => bench_stress::run(command),
     }
+}
+
+/// The precisions that a bench computes in, and their names: the one that was asked for, or both.
+pub(super) fn precisions(
+    wanted: Option<PrecisionChoice>,
+) -> impl Iterator<Item = (&'static str, Precision)> + Clone {
+    let all = [("f32", PrecisionChoice::F32, Precision::F32), ("f64", PrecisionChoice::F64, Precision::F64)];
+    let is_wanted = move |choice| wanted.is_none_or(|wanted| wanted == choice);
+    all.into_iter()
+        .filter(move |&(_, choice, _)| is_wanted(choice))
+        .map(|(name, _, precision)| (name, precision))
+}
+
+/// Origin and direction of a ray, for JSON.
+pub(super) fn ray_numbers(ray: Ray) -> [[f64; 3]; 2] {
+    [ray.origin.to_array(), ray.direction.to_array()]
 }
 
 /// A line of JSON. Names of fields stay.

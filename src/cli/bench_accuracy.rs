@@ -2,6 +2,7 @@
 
 use super::args::General;
 use super::args_bench::BenchAccuracy;
+use super::bench::ray_numbers;
 use super::load::{Purpose, load};
 use crate::bench::{Accuracy, Quantiles, measure_accuracy};
 use crate::render::cpu::Precision;
@@ -99,7 +100,7 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
         steep_distance: errors(steep_distance),
         normal: errors(normal),
         microseconds: seconds * 1e6,
-        wrong: wrong.map(|ray| [ray.origin.to_array(), ray.direction.to_array()]),
+        wrong: wrong.map(ray_numbers),
     }
 }
 

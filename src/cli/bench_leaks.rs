@@ -1,12 +1,10 @@
 //! `trimray bench leaks`: odd rays of closed solids.
 
-use super::args::PrecisionChoice;
 use super::args_bench::BenchLeaks;
+use super::bench::{precisions, ray_numbers};
 use crate::bake::{BakeOptions, bake};
 use crate::bench::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 use crate::import::import;
-use crate::render::Ray;
-use crate::render::cpu::Precision;
 use serde::Serialize;
 use std::io::Write;
 
@@ -35,8 +33,7 @@ struct Count {
 
 impl From<&Leaks> for Count {
     fn from(leaks: &Leaks) -> Self {
-        let ray = |ray: &Ray| [ray.origin.to_array(), ray.direction.to_array()];
-        let shown = leaks.shown.iter().map(ray).collect();
+        let shown = leaks.shown.iter().copied().map(ray_numbers).collect();
         Self { rays: leaks.rays, odd: leaks.odd, bound: leaks.bound(), shown }
     }
 }
@@ -50,8 +47,6 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
             "", "closed", "gap, mm", "uniform", "odd", "rate <", "aimed", "odd", "rate <"
         )?;
     }
-    let choices =
-        [("f32", PrecisionChoice::F32, Precision::F32), ("f64", PrecisionChoice::F64, Precision::F64)];
     for path in &command.inputs {
         let model = import(path)?;
         let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
@@ -60,10 +55,7 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
         let closed = is_closed(&model, &scene);
         let gap = scene.metadata.largest_gap.map_or(0.0, |gap| gap.distance);
         let half = command.rays / 2;
-        for (name, choice, precision) in choices {
-            if command.precision.is_some_and(|wanted| wanted != choice) {
-                continue;
-            }
+        for (name, precision) in precisions(command.precision) {
             let uniform =
                 count_uniform_leaks(&scene, precision, command.first, command.rays - half, command.show);
             let aimed = if points.is_empty() {

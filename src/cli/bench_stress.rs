@@ -1,7 +1,7 @@
 //! `trimray bench stress`: scenes that are hard to trace.
 
-use super::args::PrecisionChoice;
 use super::args_bench::BenchStress;
+use super::bench::{precisions, ray_numbers};
 use crate::bench::stress::{Change, RayKind, SUBJECTS, Sameness, StressScene, cases, measure_sameness};
 use crate::bench::{Accuracy, rate_bound};
 use crate::render::cpu::Precision;
@@ -79,16 +79,13 @@ pub(super) fn run(command: &BenchStress) -> anyhow::Result<()> {
     let subjects = SUBJECTS.iter().filter(|subject| is_asked(subject.name));
     anyhow::ensure!(count + subjects.clone().count() > 0, "no scene's name begins with `{}`", command.only);
     let mut out = std::io::stdout().lock();
-    let precisions =
-        [("f32", PrecisionChoice::F32, Precision::F32), ("f64", PrecisionChoice::F64, Precision::F64)];
-    let precisions =
-        precisions.into_iter().filter(|(_, choice, _)| command.precision.is_none_or(|c| c == *choice));
+    let precisions = precisions(command.precision);
     if !command.json && count > 0 {
         write_head(&mut out)?;
     }
     for case in cases().filter(|case| is_asked(case.name)) {
         let scene = case.scene();
-        for (precision, _, kind) in precisions.clone() {
+        for (precision, kind) in precisions.clone() {
             for (rays, ray_kind) in [("made", RayKind::Made), ("chords", RayKind::Chords)] {
                 let found = scene.measure(ray_kind, kind, command.first, command.rays);
                 let wrong = found.wrong.map(|ray| explained(&scene, ray, kind));
@@ -106,7 +103,7 @@ pub(super) fn run(command: &BenchStress) -> anyhow::Result<()> {
     }
     for subject in subjects {
         for change in Change::ALL {
-            for (precision, _, kind) in precisions.clone() {
+            for (precision, kind) in precisions.clone() {
                 let found = measure_sameness(subject, change, kind, command.first, command.rays);
                 let line = same_line(subject.name, change, precision, &found);
                 if command.json { write_json(&mut out, &line)? } else { write_same_row(&mut out, &line)? }
@@ -122,10 +119,6 @@ fn write_json(out: &mut impl Write, line: &impl Serialize) -> std::io::Result<()
     out.flush()
 }
 
-fn ends(ray: Ray) -> [[f64; 3]; 2] {
-    [ray.origin.to_array(), ray.direction.to_array()]
-}
-
 fn explained(scene: &StressScene, ray: Ray, precision: Precision) -> Wrong {
     let [found, expected] = scene.hits(&ray, precision).map(|hits| {
         let shown = |hit: &Hit| WrongHit {
@@ -136,7 +129,7 @@ fn explained(scene: &StressScene, ray: Ray, precision: Precision) -> Wrong {
         };
         hits.iter().map(shown).collect()
     });
-    let [origin, direction] = ends(ray);
+    let [origin, direction] = ray_numbers(ray);
     Wrong { origin, direction, found, expected }
 }
 
@@ -169,7 +162,7 @@ fn line<'a>(
         odd_bound: scene.is_closed.then(|| rate_bound(found.rays, odd)),
         microseconds: seconds * 1e6,
         wrong,
-        odd_ray: odd_ray.filter(|_| scene.is_closed).map(ends),
+        odd_ray: odd_ray.filter(|_| scene.is_closed).map(ray_numbers),
     }
 }
 
@@ -186,7 +179,7 @@ fn same_line<'a>(name: &'a str, change: Change, precision: &'static str, found: 
         different_bound: rate_bound(certain, different),
         apart,
         greatest,
-        wrong_ray: wrong.map(ends),
+        wrong_ray: wrong.map(ray_numbers),
     }
 }
 

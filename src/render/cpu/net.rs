@@ -209,11 +209,9 @@ fn search<T: Kernel>(
     if !is_within(uv, domain, number(0.5)) {
         return;
     }
-    let NetJet { value, by_u, by_v } = net_jet(scene, net, ray.origin, uv);
-    let scale = T::ONE / value[3];
-    let from_origin = vec3(value[0], value[1], value[2]) * scale;
-    let tangent = |d: [T; 4]| (vec3(d[0], d[1], d[2]) - from_origin * d[3]) * scale;
-    let (s_u, s_v) = (tangent(by_u), tangent(by_v));
+    let jet = net_jet(scene, net, ray.origin, uv);
+    let (from_origin, tangents) = point_and_tangents(&jet);
+    let [s_u, s_v] = tangents.map(|tangent| tangent * (T::ONE / jet.value[3]));
     let mut footprint =
         footprint(ray.direction, sides(ray.direction), s_u, s_v, leaf_curvature(leaf), *slack);
     footprint.is_grazing |= !converged;
@@ -292,10 +290,14 @@ pub fn net_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector
     vec3(T::ZERO, T::ZERO, T::ONE)
 }
 
-/// S_u and S_v of the net by the quotient rule, each times the weight.
+/// S_u and S_v of the net, each times the weight.
 fn net_tangents<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> [Vector3<T>; 2] {
-    let NetJet { value, by_u, by_v } = net_jet(scene, net, Vector3::default(), uv);
-    let point = vec3(value[0], value[1], value[2]) * (T::ONE / value[3]);
-    let tangent = |d: [T; 4]| vec3(d[0], d[1], d[2]) - point * d[3];
-    [tangent(by_u), tangent(by_v)]
+    point_and_tangents(&net_jet(scene, net, Vector3::default(), uv)).1
+}
+
+/// The point of a jet and, by the quotient rule, S_u and S_v, each times the weight.
+#[inline]
+fn point_and_tangents<T: Real>(jet: &NetJet<T>) -> (Vector3<T>, [Vector3<T>; 2]) {
+    let point = vec3(jet.value[0], jet.value[1], jet.value[2]) * (T::ONE / jet.value[3]);
+    (point, [jet.by_u, jet.by_v].map(|d| vec3(d[0], d[1], d[2]) - point * d[3]))
 }

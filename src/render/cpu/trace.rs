@@ -142,7 +142,6 @@ fn trace_face<T: Kernel>(
     let ray = approach_frame(part_ray, &face, number(scene.header.grid_step));
     let origin = apply_rows(&face.axes, ray.origin);
     let direction = apply_rows(&face.axes, ray.direction);
-    let beside = sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
     let roots = carrier_roots(face.kind, origin, direction, face.radii);
     for i in 0..roots.count {
         let t = roots.t[i];
@@ -159,6 +158,7 @@ fn trace_face<T: Kernel>(
         }
         let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
         let curvature = carrier_curvature(face.kind, point, face.radii);
+        let beside = sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
         let footprint = footprint(direction, beside, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
         let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
         let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint);
