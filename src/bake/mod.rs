@@ -23,7 +23,9 @@ mod slab;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod trim_band;
 mod trim_query;
+mod trim_segments;
 #[cfg(test)]
 mod trim_tests;
 mod trim_tree;

@@ -29,6 +29,7 @@ mod slab;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
+mod trim_curve;
 pub(super) mod vector;
 
 #[cfg(test)]
@@ -41,6 +42,7 @@ mod tests;
 pub use self::probe::{probe, probe_with};
 pub use self::render::render;
 pub use frames::Kernel;
+pub use trim::trim_inside;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
