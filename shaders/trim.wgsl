@@ -16,6 +16,9 @@ fn trim_point(root: u32, uv: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint(true, false);
     }
+    if TRIM_STRUCTURE != PACKED {
+        return TrimPoint(study_inside(root, uv), false);
+    }
     var node = root;
     var low = vec2<f32>(0.0);
     var size = vec2<f32>(1.0);

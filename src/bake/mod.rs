@@ -19,7 +19,9 @@ mod net_tests;
 mod nets;
 mod outline;
 mod region;
+mod retrim;
 mod slab;
+mod study;
 mod tensor;
 #[cfg(test)]
 mod tests;
@@ -33,11 +35,13 @@ use self::budget::budget;
 use self::faces::{BakedFace, PartSpace, bake_face};
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
+use self::region::Region;
+pub use self::retrim::{TrimRegions, retrim};
 use crate::brep::{
     self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
 };
 use crate::numeric::Aabb;
-use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
+use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
 use crate::trimming::TrimOptions;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -55,11 +59,13 @@ pub struct BakeOptions {
     pub trim: TrimOptions,
     /// Whether the scene carries f64 geometry beside the f32.
     pub keep_f64: bool,
+    /// What trim queries search in.
+    pub trim_method: TrimMethod,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { distortion: 0.125, trim: TrimOptions::default(), keep_f64: false }
+        Self { distortion: 0.125, trim: TrimOptions::default(), keep_f64: false, trim_method: TrimMethod::default() }
     }
 }
 
@@ -94,6 +100,15 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
     bake_trimmed(model, trim(model, options, progress), options)
 }
 
+/// [`bake`], and what [`retrim`] needs to change the scene's trim method.
+pub fn bake_with_regions(
+    model: &Model,
+    options: &BakeOptions,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> (SceneBuffers, TrimRegions) {
+    bake_parts(model, trim(model, options, progress), options, true)
+}
+
 /// The first stage: trims all faces that stand somewhere.
 pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Trimmed {
     let (occurrences, is_cut) = occurrences(model);
@@ -104,6 +119,16 @@ pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
 
 /// The second stage: nets, leaves, trim trees, BVHs, instances.
 pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
+    bake_parts(model, trimmed, options, options.trim_method != TrimMethod::PACKED).0
+}
+
+/// The second stage; the regions are empty unless they are asked for.
+fn bake_parts(
+    model: &Model,
+    trimmed: Trimmed,
+    options: &BakeOptions,
+    keep_regions: bool,
+) -> (SceneBuffers, TrimRegions) {
     let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
     let metadata = metadata::of_model(model, &occurrences, &parts);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
@@ -127,6 +152,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         .collect();
 
     let mut materials = MaterialTable::default();
+    let mut regions = Vec::new();
     let slots = gather(
         model,
         &mut scene,
@@ -138,6 +164,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         drafts,
         baked,
         options,
+        keep_regions.then_some(&mut regions),
     );
     add_instances(
         model,
@@ -151,9 +178,16 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         options.keep_f64,
     );
     metadata::report_unplaced(&mut findings, model, &parts);
-    scene.metadata.findings = metadata::records(&findings);
     scene.materials = materials.into_materials();
-    scene
+    let regions = if keep_regions { TrimRegions::new(regions, &scene) } else { TrimRegions::default() };
+    if options.trim_method != TrimMethod::PACKED {
+        if let Err(reason) = retrim(&mut scene, &regions, options.trim_method) {
+            let reason = format!("{reason}; the default trim method serves instead");
+            findings.push(Diagnostic::new(Severity::Warning, 0, "ADVANCED_FACE", reason));
+        }
+    }
+    scene.metadata.findings = metadata::records(&findings);
+    (scene, regions)
 }
 
 /// The parts that stand somewhere, in order of their ids.
@@ -254,6 +288,7 @@ fn gather(
     drafts: Vec<Draft>,
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
+    mut regions: Option<&mut Vec<Region>>,
 ) -> Vec<Option<(u32, Aabb)>> {
     let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
@@ -288,6 +323,9 @@ fn gather(
                     material,
                     options.keep_f64,
                 );
+                if let (Ok(()), Some(regions)) = (added, &mut regions) {
+                    regions.push(outline.region);
+                }
                 added.err().map(str::to_owned)
             }
             (Ok(_), None) => Some("it has no outline".to_owned()),

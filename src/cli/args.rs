@@ -2,6 +2,7 @@
 
 use super::args_bench::Bench;
 use crate::render::Exactness;
+use crate::scene::TrimMethod;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 use std::path::PathBuf;
@@ -152,6 +153,9 @@ pub(super) struct Bake {
     /// Keep the geometry in f64 too, for `probe --precision f64`.
     #[arg(long)]
     pub(super) keep_f64: bool,
+    /// What trim queries search in: a row of Table 2 of Sloup and Havran 2021, by number or name (lc, hs+b, kc+rbe, kcs-sf19, ...), or packed.
+    #[arg(long, value_name = "METHOD", default_value = "packed")]
+    pub(super) trim_method: TrimMethod,
 }
 
 /// Tells what is in a file: units, product tree, faces by kind, sizes, and what was dropped and why.

@@ -27,7 +27,7 @@ fn render_one(
     general: &General,
     device: &mut Device<'_>,
 ) -> anyhow::Result<()> {
-    let loaded = load(input, Purpose { keep_f64: false, strict: command.import.strict }, general)?;
+    let loaded = load(input, Purpose { strict: command.import.strict, ..Purpose::default() }, general)?;
     let scene = loaded.scene();
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());

@@ -16,7 +16,10 @@ mod layout;
 #[cfg(test)]
 mod layout_tests;
 mod metadata;
+mod trim_method;
+pub mod trim_study;
 mod validate;
+mod validate_study;
 mod validate_trees;
 
 pub use bytes::section_bytes;
@@ -25,6 +28,7 @@ pub use layout::{
     NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, bend_bound, bend_byte, primitive, trim_node,
 };
 pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
+pub use trim_method::{TrimMethod, TrimStructure, UnknownTrimMethod};
 pub use validate::{InvalidScene, validate};
 
 /// Owned arrays of a scene, as the bake makes them.

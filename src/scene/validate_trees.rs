@@ -2,7 +2,8 @@
 
 use super::trim_node::{self, TrimNode};
 use super::validate::{Check, require};
-use super::{BvhNode, MAX_TREE_DEPTH, Scene, TRIM_INSIDE};
+use super::validate_study::structures;
+use super::{BvhNode, MAX_TREE_DEPTH, Scene, TRIM_INSIDE, TrimMethod};
 
 /// Levels of a trim tree at most.
 const MAX_TRIM_DEPTH: u32 = 25;
@@ -18,7 +19,6 @@ struct Tree {
 /// Checks the BVH over instances and those of the parts.
 pub(super) fn bvh(scene: &Scene<'_>) -> Check {
     let header = scene.header;
-    require(header.first_node == 0, "header", 0, "the BVH over instances does not come first")?;
     let top = Tree {
         first_node: 0,
         nodes: header.node_count as usize,
@@ -107,21 +107,32 @@ fn slots_are_consistent(node: &BvhNode) -> bool {
 
 /// Checks the trim trees of faces and leaves.
 pub(super) fn trim_trees(scene: &Scene<'_>) -> Check {
+    let method = TrimMethod::from_number(scene.header.trim_method);
     let mut visited = vec![false; scene.trim_nodes.len()];
-    for (index, face) in scene.faces.iter().enumerate() {
-        if face.trim_root != TRIM_INSIDE {
-            require(
-                trim_tree(scene, face.trim_root as usize, &mut visited),
-                "faces",
-                index,
-                "no such trim tree",
-            )?;
-        }
+    match method {
+        None => require(false, "header", 0, "no such trim method")?,
+        Some(TrimMethod::PACKED) => packed(scene, &mut visited)?,
+        Some(method) => structures(scene, method)?,
     }
     for (index, leaf) in scene.net_leaves.iter().enumerate() {
         let face = &scene.faces[scene.nets[leaf.net as usize].face as usize];
         let valid = leaf.trim == TRIM_INSIDE || leaf.trim == face.trim_root;
         require(valid, "net_leaves", index, "its trim tree is not its face's")?;
+    }
+    Ok(())
+}
+
+/// Checks the trees of the default method.
+fn packed(scene: &Scene<'_>, visited: &mut [bool]) -> Check {
+    for (index, face) in scene.faces.iter().enumerate() {
+        if face.trim_root != TRIM_INSIDE {
+            require(
+                trim_tree(scene, face.trim_root as usize, visited),
+                "faces",
+                index,
+                "no such trim tree",
+            )?;
+        }
     }
     Ok(())
 }

@@ -29,6 +29,7 @@ mod slab;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
+pub(super) mod trim_study;
 pub(super) mod vector;
 
 #[cfg(test)]
@@ -40,6 +41,8 @@ mod tests;
 
 pub use self::probe::{probe, probe_with};
 pub use self::render::render;
+pub use self::trim::trim_inside;
+pub use self::trim_study::{TrimCounts, trim_counted};
 pub use frames::Kernel;
 
 /// Which number type the kernels compute in.

@@ -3,10 +3,11 @@
 //! The layout and the parity rule are those of [`crate::scene::trim_node`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
 //! between its ends decides most points; the others bisect the curve (Schollmeyer and Fröhlich 2009), each evaluation shrinking the box.
 
+use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_node::{FAR, MANY, TrimNode, child_range, split_position, unpack};
-use crate::scene::{Scene, TRIM_INSIDE, TrimSegment};
+use crate::scene::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
 /// Bisections of a curve piece: enough for f64's 52 bits.
 const MAX_BISECTIONS: usize = 52;
@@ -32,6 +33,12 @@ pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
 pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint { inside: true, is_near: false };
+    }
+    if scene.header.trim_method != TrimMethod::PACKED.number() {
+        let inside = TrimMethod::from_number(scene.header.trim_method).is_some_and(|method| {
+            study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default())
+        });
+        return TrimPoint { inside, is_near: false };
     }
     let mut node = root as usize;
     let mut low = [0.0_f32; 2];
