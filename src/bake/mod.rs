@@ -8,8 +8,11 @@ mod assemble;
 mod binary_tree;
 mod budget;
 mod bvh;
+mod elevate;
+mod extent;
 mod faces;
 mod gaps;
+mod judge;
 mod leaves;
 mod materials;
 mod metadata;
@@ -26,13 +29,17 @@ mod tensor;
 #[cfg(test)]
 mod tests;
 mod trim_query;
+mod trim_statistics;
 #[cfg(test)]
 mod trim_tests;
 mod trim_tree;
 
 use self::assemble::PartDraft;
 use self::budget::budget;
+pub use self::elevate::Lines;
+pub use self::extent::extent;
 use self::faces::{BakedFace, PartSpace, bake_face};
+pub use self::judge::TrimJudge;
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
 use self::region::Region;
@@ -65,7 +72,12 @@ pub struct BakeOptions {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { distortion: 0.125, trim: TrimOptions::default(), keep_f64: false, trim_method: TrimMethod::default() }
+        Self {
+            distortion: 0.125,
+            trim: TrimOptions::default(),
+            keep_f64: false,
+            trim_method: TrimMethod::default(),
+        }
     }
 }
 
@@ -251,12 +263,7 @@ fn spaces(
     parts: &[Id<brep::Part>],
     part_boxes: &[Aabb],
 ) -> (Header, Vec<PartSpace>) {
-    let bounds_of = |occurrence: &Occurrence| {
-        let slot = parts.binary_search(&occurrence.part).ok()?;
-        let world = part_boxes[slot].transformed(occurrence.world_from_part);
-        (!world.is_empty() && narrow::is_within_reach(&world)).then_some(world)
-    };
-    let world = occurrences.iter().filter_map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
+    let world = extent::box_of_occurrences(occurrences, parts, part_boxes);
     let grid_step = narrow::grid_step(world.diagonal());
     let center = |bounds: Aabb| {
         if bounds.is_empty() { DVec3::ZERO } else { narrow::snap(bounds.center(), grid_step) }

@@ -131,9 +131,16 @@ enum Phase {
 }
 
 enum Node {
-    Inner { axis: usize, plane: f32, right: usize },
+    Inner {
+        axis: usize,
+        plane: f32,
+        right: usize,
+    },
     /// References have the index of the chain where the words have its place.
-    Leaf { parity: bool, references: Vec<u32> },
+    Leaf {
+        parity: bool,
+        references: Vec<u32>,
+    },
 }
 
 struct Builder<'a> {
@@ -300,7 +307,8 @@ impl Builder<'_> {
             let chain = &self.chains[index];
             if !has_sets {
                 let piece = &self.region.pieces[chain.pieces[0] as usize];
-                place_of[index] = first_record as u32 + structure.push_element(self.region, piece, has_boxing);
+                place_of[index] =
+                    first_record as u32 + structure.push_element(self.region, piece, has_boxing);
                 continue;
             }
             let first = (first_record + records + structure.words.len()) as u32;
