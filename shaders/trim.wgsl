@@ -12,13 +12,14 @@ struct TrimPoint {
     is_near: bool,
 }
 
-fn trim_point(root: u32, uv: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
+fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint(true, false);
     }
     if TRIM_STRUCTURE != PACKED {
-        return TrimPoint(study_inside(root, uv), false);
+        return TrimPoint(study_inside(root, at), false);
     }
+    let uv = min(at, vec2<f32>(BEFORE_ONE));
     var node = root;
     var low = vec2<f32>(0.0);
     var size = vec2<f32>(1.0);

@@ -30,11 +30,14 @@ pub(super) struct BenchTrim {
     #[arg(long, value_name = "LIST", default_value = "all", value_parser = parse_methods)]
     pub(super) methods: Methods,
     /// How many random rays.
-    #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 500_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub(super) rays: u64,
     /// Pixels across and down; a primary ray each.
-    #[arg(long, value_name = "W,H", default_value = "640,360", value_parser = parse_resolution)]
+    #[arg(long, value_name = "W,H", default_value = "960,540", value_parser = parse_resolution)]
     pub(super) resolution: [u32; 2],
+    /// How many rays of each kind are traced to the end when whole rays are timed; queries come from all.
+    #[arg(long, value_name = "N", default_value_t = 50_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub(super) timed_rays: u64,
     /// Keep so many queries of primary and of random rays at most.
     #[arg(long, value_name = "N", default_value_t = 2_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) queries: u64,

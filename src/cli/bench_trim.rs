@@ -87,6 +87,7 @@ impl Study {
             resolution: command.resolution,
             rays: command.rays,
             most_queries: command.queries as usize,
+            timed_rays: command.timed_rays as usize,
             runs: usize::from(command.repeat),
         };
         Ok(Self { statistics: statistics(&model, &scene, &regions), scene, regions, options })

@@ -188,8 +188,12 @@ mod tests {
         let judged = judged_points(&regions, 5000);
         retrim(&mut scene, &regions, TrimMethod::PACKED).expect("the default holds everything");
         assert_eq!(wrong_answers(&scene.scene(), &judged), []);
-        // Curves that are elsewhere.
-        scene.trim_segments.iter_mut().for_each(|segment| segment.low[0] = 1.0 - segment.low[0]);
+        // Each trimmed face asks the structure of the next.
+        let faces = trimmed_faces(&regions);
+        let roots: Vec<u32> = faces.iter().map(|&face| scene.faces[face].trim_root).collect();
+        for (index, &face) in faces.iter().enumerate() {
+            scene.faces[face].trim_root = roots[(index + 1) % roots.len()];
+        }
         assert!(wrong_answers(&scene.scene(), &judged).len() > 100);
     }
 }

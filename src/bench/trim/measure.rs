@@ -33,6 +33,8 @@ pub struct StudyOptions {
     pub rays: u64,
     /// How many queries of each kind of rays are kept.
     pub most_queries: usize,
+    /// How many rays of each kind are traced to the end when whole rays are timed; queries come from all.
+    pub timed_rays: usize,
     /// How many runs count.
     pub runs: usize,
 }
@@ -41,7 +43,7 @@ pub struct StudyOptions {
 pub struct QuerySet {
     /// "primary" or "random".
     pub name: &'static str,
-    /// Of which first hits are searched.
+    /// Whole rays to be timed: neighbours from the middle of all.
     pub rays: Vec<Ray>,
     /// On the way to the first hits.
     pub queries: Vec<TrimQuery>,
@@ -96,7 +98,7 @@ pub struct MethodMeasure {
     pub build_seconds: f64,
     /// Of the whole scene.
     pub total_bytes: usize,
-    /// Of trim nodes, segments and points.
+    /// Of the sections of trims: nodes, segments, points.
     pub trim_bytes: usize,
     /// On each set of queries.
     pub sets: Vec<SetMeasure>,
@@ -126,6 +128,8 @@ pub fn query_sets(
     let random: Vec<Ray> = (0..options.rays).map(|index| chord(scene, index)).collect();
     let set = |(name, rays): (&'static str, Vec<Ray>)| {
         let queries = trim_queries(scene, &rays, true, options.most_queries);
+        let first = rays.len().saturating_sub(options.timed_rays) / 2;
+        let rays = rays.into_iter().skip(first).take(options.timed_rays).collect();
         QuerySet { name, rays, queries }
     };
     Ok([("primary", primary), ("random", random)].into_iter().map(set).collect())
@@ -166,12 +170,12 @@ pub fn measure_methods(
             let device = beside(&scene, set, &answers)?;
             of_sets.push(SetMeasure { counts, different, worst, device, ..time(&scene, set, options.runs) });
         }
-        let trim_bytes = ["trim_nodes", "trim_segments", "trim_points"].map(|name| bytes.get(name).copied());
+        let of_trims = bytes.iter().filter(|(name, _)| name.starts_with("trim_"));
         measured.push(MethodMeasure {
             method,
             build_seconds,
             total_bytes: bytes["total"],
-            trim_bytes: trim_bytes.into_iter().flatten().sum(),
+            trim_bytes: of_trims.map(|(_, bytes)| bytes).sum(),
             sets: of_sets,
         });
     }

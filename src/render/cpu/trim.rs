@@ -7,6 +7,7 @@ use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_node::{FAR, MANY, TrimNode, child_range, split_position, unpack};
+use crate::scene::trim_study::BEFORE_ONE;
 use crate::scene::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
 /// Bisections of a curve piece: enough for f64's 52 bits.
@@ -40,6 +41,8 @@ pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T;
         });
         return TrimPoint { inside, is_near: false };
     }
+    // Pieces along the window's far borders are in no cell: a point on them is decided just before.
+    let uv = uv.map(|x| x.min(T::from_f32(BEFORE_ONE)));
     let mut node = root as usize;
     let mut low = [0.0_f32; 2];
     let mut size = [1.0_f32; 2];
