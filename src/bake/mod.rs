@@ -65,7 +65,12 @@ pub struct BakeOptions {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { distortion: 0.125, trim: TrimOptions::default(), keep_f64: false, trim_method: TrimMethod::default() }
+        Self {
+            distortion: 0.125,
+            trim: TrimOptions::default(),
+            keep_f64: false,
+            trim_method: TrimMethod::default(),
+        }
     }
 }
 

@@ -60,7 +60,11 @@ pub fn retrim(scene: &mut SceneBuffers, regions: &TrimRegions, method: TrimMetho
     Ok(())
 }
 
-fn retrim_for_study(scene: &mut SceneBuffers, regions: &TrimRegions, method: TrimMethod) -> Result<(), String> {
+fn retrim_for_study(
+    scene: &mut SceneBuffers,
+    regions: &TrimRegions,
+    method: TrimMethod,
+) -> Result<(), String> {
     let structures: Vec<Option<Structure>> = regions
         .regions
         .par_iter()

@@ -9,9 +9,9 @@ use std::str::FromStr;
 
 /// Names in order of the numbers, which start at 1.
 const NAMES: [&str; 30] = [
-    "lc", "lc+b", "hs", "hs+b", "kc", "kc+r", "kc+b", "kc+e", "kc+rb", "kc+re", "kc+be", "kc+rbe", "kcs-sf19",
-    "kcs", "kcs+r", "kcs+b", "kcs+e", "kcs+m", "kcs+rb", "kcs+re", "kcs+rm", "kcs+be", "kcs+bm", "kcs+em",
-    "kcs+rbe", "kcs+rbm", "kcs+rem", "kcs+bem", "kcs+rbem", "packed",
+    "lc", "lc+b", "hs", "hs+b", "kc", "kc+r", "kc+b", "kc+e", "kc+rb", "kc+re", "kc+be", "kc+rbe",
+    "kcs-sf19", "kcs", "kcs+r", "kcs+b", "kcs+e", "kcs+m", "kcs+rb", "kcs+re", "kcs+rm", "kcs+be", "kcs+bm",
+    "kcs+em", "kcs+rbe", "kcs+rbm", "kcs+rem", "kcs+bem", "kcs+rbem", "packed",
 ];
 
 /// A bit for each method whose name has a letter after the plus.
@@ -146,7 +146,9 @@ impl fmt::Display for TrimMethod {
 
 /// No method has this name or number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("no trim method is called {0}: a number from 1 to 30, or a name such as lc, hs+b, kc+rbe, kcs-sf19, kcs+rbem, packed")]
+#[error(
+    "no trim method is called {0}: a number from 1 to 30, or a name such as lc, hs+b, kc+rbe, kcs-sf19, kcs+rbem, packed"
+)]
 pub struct UnknownTrimMethod(String);
 
 impl FromStr for TrimMethod {

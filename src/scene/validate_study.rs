@@ -3,9 +3,7 @@
 //! Faces follow each other, lists of references too; a curveset is looked at once, and all curvesets of a face together have no more elements than it has room for. So
 //! words that many others point to cannot make the check take longer than reading them all.
 
-use super::trim_study::{
-    HIGH_IS_LEFT, KD_HEADER, MANY_CURVES, PARITY_BIT, PLACES, RECORD_WORDS, STUDY_LEAF,
-};
+use super::trim_study::{HIGH_IS_LEFT, KD_HEADER, MANY_CURVES, PARITY_BIT, PLACES, RECORD_WORDS, STUDY_LEAF};
 use super::validate::{Check, require};
 use super::{Scene, TRIM_INSIDE, TrimMethod, TrimStructure};
 
@@ -66,7 +64,8 @@ impl Words<'_> {
 
     /// Whether the record is horizontal.
     fn ends(&self, place: usize) -> Option<bool> {
-        let [_, low, _, high] = [self.unit(place)?, self.unit(place + 1)?, self.unit(place + 2)?, self.unit(place + 3)?];
+        let [_, low, _, high] =
+            [self.unit(place)?, self.unit(place + 1)?, self.unit(place + 2)?, self.unit(place + 3)?];
         self.get(place + RECORD_WORDS - 1)?;
         (low <= high).then_some(low == high)
     }

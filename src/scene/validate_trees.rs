@@ -126,12 +126,7 @@ pub(super) fn trim_trees(scene: &Scene<'_>) -> Check {
 fn packed(scene: &Scene<'_>, visited: &mut [bool]) -> Check {
     for (index, face) in scene.faces.iter().enumerate() {
         if face.trim_root != TRIM_INSIDE {
-            require(
-                trim_tree(scene, face.trim_root as usize, visited),
-                "faces",
-                index,
-                "no such trim tree",
-            )?;
+            require(trim_tree(scene, face.trim_root as usize, visited), "faces", index, "no such trim tree")?;
         }
     }
     Ok(())

@@ -135,7 +135,8 @@ fn maximal_chains(region: &Region) -> Vec<Chain> {
     let mut runs: Vec<Run> = Vec::new();
     let mut first_of_loop = 0;
     for (index, piece) in region.pieces.iter().enumerate() {
-        let (start, end) = if piece.t[0] < piece.t[1] { (piece.low, piece.high) } else { (piece.high, piece.low) };
+        let (start, end) =
+            if piece.t[0] < piece.t[1] { (piece.low, piece.high) } else { (piece.high, piece.low) };
         let sign = |k: usize| i32::from(end[k] > start[k]) - i32::from(end[k] < start[k]);
         let next = Run { pieces: vec![index as u32], vertices: vec![start, end], signs: [sign(0), sign(1)] };
         if runs.last_mut().is_some_and(|run| run.append(&next)) {
@@ -213,9 +214,8 @@ fn cut_by(mut sets: Vec<Chain>, cost: impl Cost) -> Vec<Chain> {
             break;
         }
         let parts_of = |at: usize| [[0, at], [at, count]];
-        let part_cost = |part: [usize; 2]| {
-            cost(set, part, shared(&boxes, &set.bounds(part[0], part[1]), worst))
-        };
+        let part_cost =
+            |part: [usize; 2]| cost(set, part, shared(&boxes, &set.bounds(part[0], part[1]), worst));
         let best = (1..count)
             .map(|at| (at, parts_of(at).map(part_cost)))
             .min_by(|(_, a), (_, b)| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));

@@ -15,9 +15,7 @@ pub(super) fn is_horizontal(piece: &Piece) -> bool {
 pub(super) fn control_points(region: &Region, piece: &Piece) -> Vec<Homogeneous2> {
     match piece.curve {
         Some(curve) => region.curves[curve as usize].piece(piece.t[0], piece.t[1]).points,
-        None => {
-            [piece.low, piece.high].map(|p| DVec3::new(f64::from(p[0]), f64::from(p[1]), 1.0)).to_vec()
-        }
+        None => [piece.low, piece.high].map(|p| DVec3::new(f64::from(p[0]), f64::from(p[1]), 1.0)).to_vec(),
     }
 }
 

@@ -192,7 +192,11 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
         let (mut low, mut end) = (0, count);
         while end - low > 1 {
             let middle = (low + end) / 2;
-            if self.uv[1] < self.number_at(first + middle * RECORD_WORDS + 1) { end = middle } else { low = middle }
+            if self.uv[1] < self.number_at(first + middle * RECORD_WORDS + 1) {
+                end = middle
+            } else {
+                low = middle
+            }
         }
         self.element(first + low * RECORD_WORDS)
     }
