@@ -187,7 +187,7 @@ fn faces_of_fixtures() {
                 }
             }
         }
-        assert!(queries > 30_000, "{name}: {queries}");
+        assert!(queries > 20_000, "{name}: {queries}");
         // The last method is the default one: nothing has changed.
         assert_eq!(scene.trim_nodes, original.trim_nodes);
         assert_eq!(scene.trim_segments, original.trim_segments);
