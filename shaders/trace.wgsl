@@ -40,7 +40,7 @@ fn comes_before(a: RawHit, b: RawHit) -> bool {
 
 fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
     let top = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
-    var placements = start_walk(header.first_node, header.node_count, 0u);
+    var placements = start_walk(0u, header.node_count, 0u);
     loop {
         let instance = next_primitive(&placements, top, beyond(near, 0.0), beyond((*collected).far, 0.0));
         if instance == NO_PRIMITIVE {

@@ -95,6 +95,6 @@ struct Material {
 struct SceneHeader {
     grid_step: f32,
     scene_radius: f32,
-    first_node: u32,
     node_count: u32,
+    reserved: u32,
 }

@@ -5,20 +5,33 @@ use naga::{Module, TypeInner};
 use std::mem::{offset_of, size_of};
 use trimray::render::Exactness;
 use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
-use trimray::scene;
+use trimray::scene::{self, TrimStructure};
 
 const EXACT: Exactness = Exactness::Exact;
 
-/// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high; less exactness.
-const SPECIALISATIONS: [Specialisation; 8] = [
-    Specialisation { net_chunks: 1, feature_mask: 0b11_1111, exactness: EXACT },
-    Specialisation { net_chunks: 7, feature_mask: 0b11_1111, exactness: EXACT },
-    Specialisation { net_chunks: 1, feature_mask: 0b00_0001, exactness: EXACT },
-    Specialisation { net_chunks: 1, feature_mask: 0b01_0000, exactness: EXACT },
-    Specialisation { net_chunks: 2, feature_mask: 0b10_0000, exactness: EXACT },
-    Specialisation { net_chunks: 1, feature_mask: 0, exactness: EXACT },
-    Specialisation { net_chunks: 1, feature_mask: 0b10_0000, exactness: Exactness::Fast },
-    Specialisation { net_chunks: 1, feature_mask: 0b10_0000, exactness: Exactness::Balanced },
+/// What the others change.
+const WIDE: Specialisation = Specialisation {
+    net_chunks: 1,
+    feature_mask: 0b11_1111,
+    exactness: EXACT,
+    trim_structure: TrimStructure::Packed,
+    trim_boxing: false,
+};
+
+/// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high; less exactness; each trim structure.
+const SPECIALISATIONS: [Specialisation; 12] = [
+    Specialisation { net_chunks: 1, feature_mask: 0b11_1111, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 7, feature_mask: 0b11_1111, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 1, feature_mask: 0b00_0001, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 1, feature_mask: 0b01_0000, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 2, feature_mask: 0b10_0000, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 1, feature_mask: 0, exactness: EXACT, ..WIDE },
+    Specialisation { net_chunks: 1, feature_mask: 0b10_0000, exactness: Exactness::Fast, ..WIDE },
+    Specialisation { net_chunks: 1, feature_mask: 0b10_0000, exactness: Exactness::Balanced, ..WIDE },
+    Specialisation { trim_structure: TrimStructure::List, trim_boxing: true, ..WIDE },
+    Specialisation { trim_structure: TrimStructure::Slabs, ..WIDE },
+    Specialisation { trim_structure: TrimStructure::KdCurves, trim_boxing: true, ..WIDE },
+    Specialisation { trim_structure: TrimStructure::KdCurvesets, trim_boxing: true, ..WIDE },
 ];
 
 fn parse(entry: Entry, specialisation: &Specialisation) -> Module {

@@ -3,6 +3,7 @@
 use super::bvh::{self, NarrowBox, Tree};
 use super::faces::{BakedFace, PartSpace};
 use super::narrow;
+use super::trim_tree::TrimTree;
 use crate::brep::Occurrence;
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, pack};
@@ -63,7 +64,7 @@ pub(super) fn add_face(
     record.body = body;
     record.material = material;
     if record.trim_root != TRIM_INSIDE {
-        record.trim_root = add_trim(scene, &baked);
+        record.trim_root = add_trim(scene, &baked.trim);
     }
     scene.header.feature_mask |= 1 << record.kind;
 
@@ -96,14 +97,14 @@ pub(super) fn add_face(
 }
 
 /// Appends a face's trims; returns the index of their root.
-fn add_trim(scene: &mut SceneBuffers, baked: &BakedFace) -> u32 {
+pub(super) fn add_trim(scene: &mut SceneBuffers, trim: &TrimTree) -> u32 {
     let root = scene.trim_nodes.len() as u32;
-    scene.trim_nodes.extend_from_slice(&baked.trim.words);
+    scene.trim_nodes.extend_from_slice(&trim.words);
     scene.trim_nodes[root as usize + 1] = scene.trim_segments.len() as u32;
     scene.trim_nodes[root as usize + 2] = scene.trim_points.len() as u32;
-    scene.trim_segments.extend_from_slice(&baked.trim.segments);
-    scene.trim_points.extend(baked.trim.points.iter().map(|p| narrow::vector(*p)));
-    scene.header.max_trim_degree = scene.header.max_trim_degree.max(baked.trim.max_degree);
+    scene.trim_segments.extend_from_slice(&trim.segments);
+    scene.trim_points.extend(trim.points.iter().map(|p| narrow::vector(*p)));
+    scene.header.max_trim_degree = scene.header.max_trim_degree.max(trim.max_degree);
     root
 }
 

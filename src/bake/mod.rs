@@ -8,8 +8,11 @@ mod assemble;
 mod binary_tree;
 mod budget;
 mod bvh;
+mod elevate;
+mod extent;
 mod faces;
 mod gaps;
+mod judge;
 mod leaves;
 mod materials;
 mod metadata;
@@ -19,27 +22,35 @@ mod net_tests;
 mod nets;
 mod outline;
 mod region;
+mod retrim;
 mod slab;
+mod study;
 mod tensor;
 #[cfg(test)]
 mod tests;
 mod trim_band;
 mod trim_query;
 mod trim_segments;
+mod trim_statistics;
 #[cfg(test)]
 mod trim_tests;
 mod trim_tree;
 
 use self::assemble::PartDraft;
 use self::budget::budget;
+pub use self::elevate::Lines;
+pub use self::extent::extent;
 use self::faces::{BakedFace, PartSpace, bake_face};
+pub use self::judge::TrimJudge;
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
+use self::region::Region;
+pub use self::retrim::{TrimRegions, retrim};
 use crate::brep::{
     self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
 };
 use crate::numeric::Aabb;
-use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers};
+use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
 use crate::trimming::TrimOptions;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -57,11 +68,18 @@ pub struct BakeOptions {
     pub trim: TrimOptions,
     /// Whether the scene carries f64 geometry beside the f32.
     pub keep_f64: bool,
+    /// What trim queries search in.
+    pub trim_method: TrimMethod,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { distortion: 0.125, trim: TrimOptions::default(), keep_f64: false }
+        Self {
+            distortion: 0.125,
+            trim: TrimOptions::default(),
+            keep_f64: false,
+            trim_method: TrimMethod::default(),
+        }
     }
 }
 
@@ -96,6 +114,15 @@ pub fn bake(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
     bake_trimmed(model, trim(model, options, progress), options)
 }
 
+/// [`bake`], and what [`retrim`] needs to change the scene's trim method.
+pub fn bake_with_regions(
+    model: &Model,
+    options: &BakeOptions,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> (SceneBuffers, TrimRegions) {
+    bake_parts(model, trim(model, options, progress), options, true)
+}
+
 /// The first stage: trims all faces that stand somewhere.
 pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Trimmed {
     let (occurrences, is_cut) = occurrences(model);
@@ -106,6 +133,16 @@ pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
 
 /// The second stage: nets, leaves, trim trees, BVHs, instances.
 pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
+    bake_parts(model, trimmed, options, options.trim_method != TrimMethod::PACKED).0
+}
+
+/// The second stage; the regions are empty unless they are asked for.
+fn bake_parts(
+    model: &Model,
+    trimmed: Trimmed,
+    options: &BakeOptions,
+    keep_regions: bool,
+) -> (SceneBuffers, TrimRegions) {
     let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
     let metadata = metadata::of_model(model, &occurrences, &parts);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
@@ -129,6 +166,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         .collect();
 
     let mut materials = MaterialTable::default();
+    let mut regions = Vec::new();
     let slots = gather(
         model,
         &mut scene,
@@ -140,6 +178,7 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         drafts,
         baked,
         options,
+        keep_regions.then_some(&mut regions),
     );
     add_instances(
         model,
@@ -153,9 +192,16 @@ pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> S
         options.keep_f64,
     );
     metadata::report_unplaced(&mut findings, model, &parts);
-    scene.metadata.findings = metadata::records(&findings);
     scene.materials = materials.into_materials();
-    scene
+    let regions = if keep_regions { TrimRegions::new(regions, &scene) } else { TrimRegions::default() };
+    if options.trim_method != TrimMethod::PACKED {
+        if let Err(reason) = retrim(&mut scene, &regions, options.trim_method) {
+            let reason = format!("{reason}; the default trim method serves instead");
+            findings.push(Diagnostic::new(Severity::Warning, 0, "ADVANCED_FACE", reason));
+        }
+    }
+    scene.metadata.findings = metadata::records(&findings);
+    (scene, regions)
 }
 
 /// The parts that stand somewhere, in order of their ids.
@@ -219,12 +265,7 @@ fn spaces(
     parts: &[Id<brep::Part>],
     part_boxes: &[Aabb],
 ) -> (Header, Vec<PartSpace>) {
-    let bounds_of = |occurrence: &Occurrence| {
-        let slot = parts.binary_search(&occurrence.part).ok()?;
-        let world = part_boxes[slot].transformed(occurrence.world_from_part);
-        (!world.is_empty() && narrow::is_within_reach(&world)).then_some(world)
-    };
-    let world = occurrences.iter().filter_map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
+    let world = extent::box_of_occurrences(occurrences, parts, part_boxes);
     let grid_step = narrow::grid_step(world.diagonal());
     let center = |bounds: Aabb| {
         if bounds.is_empty() { DVec3::ZERO } else { narrow::snap(bounds.center(), grid_step) }
@@ -256,6 +297,7 @@ fn gather(
     drafts: Vec<Draft>,
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
+    mut regions: Option<&mut Vec<Region>>,
 ) -> Vec<Option<(u32, Aabb)>> {
     let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
@@ -290,6 +332,9 @@ fn gather(
                     material,
                     options.keep_f64,
                 );
+                if let (Ok(()), Some(regions)) = (added, &mut regions) {
+                    regions.push(outline.region);
+                }
                 added.err().map(str::to_owned)
             }
             (Ok(_), None) => Some("it has no outline".to_owned()),

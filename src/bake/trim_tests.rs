@@ -20,13 +20,13 @@ impl Random {
 
 pub(super) type Loop = Vec<Bezier<Homogeneous2>>;
 
-fn polygon(corners: &[DVec2]) -> Loop {
+pub(super) fn polygon(corners: &[DVec2]) -> Loop {
     let next = |i: usize| corners[(i + 1) % corners.len()];
     let line = |i: usize| Bezier { points: vec![corners[i].extend(1.0), next(i).extend(1.0)] };
     (0..corners.len()).map(line).collect()
 }
 
-fn rectangle(low: DVec2, high: DVec2) -> Loop {
+pub(super) fn rectangle(low: DVec2, high: DVec2) -> Loop {
     polygon(&[low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)])
 }
 
@@ -41,12 +41,12 @@ pub(super) fn circle(center: DVec2, radius: f64) -> Loop {
         .collect()
 }
 
-fn star(center: DVec2, radius: f64, corners: usize, random: &mut Random) -> Loop {
+pub(super) fn star(center: DVec2, radius: f64, corners: usize, random: &mut Random) -> Loop {
     let corner = |i: usize, r: f64| center + DVec2::from_angle(TAU * i as f64 / corners as f64) * r;
     polygon(&(0..corners).map(|i| corner(i, radius * (0.3 + 0.7 * random.next()))).collect::<Vec<_>>())
 }
 
-fn trim(loops: Vec<Loop>) -> FaceTrim {
+pub(super) fn trim(loops: Vec<Loop>) -> FaceTrim {
     let curves: Vec<_> = loops.into_iter().flatten().collect();
     let points = || curves.iter().flat_map(|c| &c.points).map(|p| p.point());
     let window = ParameterBox {

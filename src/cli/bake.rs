@@ -21,7 +21,13 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         return Err(Failure::Usage(reason).into());
     }
     let start = Instant::now();
-    let loaded = load(input, Purpose { keep_f64: command.keep_f64, strict: command.import.strict }, general)?;
+    let purpose = Purpose {
+        keep_f64: command.keep_f64,
+        strict: command.import.strict,
+        trim_method: command.trim_method,
+        copies: command.replicate,
+    };
+    let loaded = load(input, purpose, general)?;
     let scene = loaded.scene();
     if scene.faces.is_empty() {
         return Err(nothing(input, &scene, "bake").into());

@@ -46,7 +46,7 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
         write_head(&mut out)?;
     }
     for path in &command.inputs {
-        let loaded = load(path, Purpose { keep_f64: true, strict: false }, general)?;
+        let loaded = load(path, Purpose { keep_f64: true, ..Purpose::default() }, general)?;
         let scene = loaded.scene();
         anyhow::ensure!(scene.has_f64(), "{}: bake it with --keep-f64", path.display());
         let baked = widened(&scene);

@@ -4,11 +4,13 @@ use super::Failure;
 use super::args::General;
 use super::progress::Progress;
 use super::report;
-use crate::bake::{BakeOptions, bake};
+use crate::bake::{BakeOptions, bake, extent};
+use crate::brep::{Model, replicate};
 use crate::cache::CacheFile;
 use crate::import::import;
-use crate::scene::{Scene, SceneBuffers, Severity, validate};
+use crate::scene::{Scene, SceneBuffers, Severity, TrimMethod, validate};
 use anyhow::Context;
+use glam::DVec3;
 use std::path::Path;
 use std::time::Instant;
 
@@ -28,12 +30,16 @@ impl Loaded {
 }
 
 /// What the caller does with the scene.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Purpose {
     /// Whether f64 geometry is needed.
     pub(super) keep_f64: bool,
     /// Whether a dropped face ends the command.
     pub(super) strict: bool,
+    /// What trim queries of a model that is baked now search in.
+    pub(super) trim_method: TrimMethod,
+    /// Copies along x, y and z of a model that is baked now.
+    pub(super) copies: Option<[u32; 3]>,
 }
 
 /// Whether the path names a baked scene.
@@ -49,7 +55,7 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
         log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
         Loaded::Mapped(Box::new(file))
     } else {
-        Loaded::Baked(Box::new(import_and_bake(path, purpose.keep_f64, general)?))
+        Loaded::Baked(Box::new(import_and_bake(path, purpose, general)?))
     };
     let scene = loaded.scene();
     if !general.quiet {
@@ -65,12 +71,16 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     Ok(loaded)
 }
 
-fn import_and_bake(path: &Path, keep_f64: bool, general: &General) -> anyhow::Result<SceneBuffers> {
+fn import_and_bake(path: &Path, purpose: Purpose, general: &General) -> anyhow::Result<SceneBuffers> {
     let start = Instant::now();
-    let model = import(path)?;
+    let options = BakeOptions {
+        keep_f64: purpose.keep_f64,
+        trim_method: purpose.trim_method,
+        ..BakeOptions::default()
+    };
+    let model = import_copies(path, purpose.copies, &options)?;
     let imported = Instant::now();
     let progress = Progress::new(format!("Baking {}", file_name(path)), general);
-    let options = BakeOptions { keep_f64, ..BakeOptions::default() };
     let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
     drop(progress);
     buffers.metadata.file_name = file_name(path);
@@ -82,6 +92,19 @@ fn import_and_bake(path: &Path, keep_f64: bool, general: &General) -> anyhow::Re
         imported.elapsed().as_secs_f64()
     );
     Ok(buffers)
+}
+
+/// Imports a model, once or as copies side by side.
+pub(super) fn import_copies(
+    path: &Path,
+    copies: Option<[u32; 3]>,
+    options: &BakeOptions,
+) -> anyhow::Result<Model> {
+    let model = import(path)?;
+    let Some(copies) = copies else { return Ok(model) };
+    let bounds = extent(&model, options);
+    let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
+    replicate(model, copies, size).with_context(|| path.display().to_string())
 }
 
 fn file_name(path: &Path) -> String {

@@ -1,11 +1,12 @@
 //! The records. Fields are ordered so that WGSL needs no padding: a three-vector is always followed by a scalar.
 //! `tests/layout.rs` compares names, offsets and sizes with the WGSL mirror in `shaders/types.wgsl`.
 
+use super::TrimMethod;
 use bytemuck::{Pod, Zeroable};
 
 /// Scene-wide numbers. 64 bytes.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Header {
     /// World space = model space − this, millimetres; a multiple of `grid_step`.
     pub world_anchor: [f64; 3],
@@ -13,9 +14,9 @@ pub struct Header {
     pub grid_step: f64,
     /// Half the extents of the scene's box in world space (centred within one grid step of 0), rounded up.
     pub half_size: [f32; 3],
-    /// The first node of the BVH over instances in `bvh_nodes` (always 0).
-    pub first_node: u32,
-    /// Its nodes; 0 in an empty scene.
+    /// The number of the [`TrimMethod`](super::TrimMethod) that the trim arrays are made for.
+    pub trim_method: u32,
+    /// Nodes of the BVH over instances, which comes first in `bvh_nodes`; 0 in an empty scene.
     pub node_count: u32,
     /// The highest degree of any net along u or v; 0 without nets.
     pub max_net_degree: u32,
@@ -23,6 +24,12 @@ pub struct Header {
     pub max_trim_degree: u32,
     /// A bit for each [`FaceKind`] that occurs: bit `1 << kind`.
     pub feature_mask: u32,
+}
+
+impl Default for Header {
+    fn default() -> Self {
+        Self { trim_method: TrimMethod::PACKED.number(), ..Self::zeroed() }
+    }
 }
 
 /// One node of an 8-wide compressed BVH (Ylitie, Karras and Laine 2017), bit for bit `obvhs::cwbvh::node::CwBvhNode`. 80 bytes.

@@ -17,7 +17,10 @@ mod layout;
 mod layout_tests;
 mod metadata;
 mod trim;
+mod trim_method;
+pub mod trim_study;
 mod validate;
+mod validate_study;
 mod validate_trees;
 mod validate_trims;
 
@@ -28,6 +31,7 @@ pub use layout::{
 };
 pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
 pub use trim::{Band, TRIM_INSIDE, TrimSegment, trim_word};
+pub use trim_method::{TrimMethod, TrimStructure, UnknownTrimMethod};
 pub use validate::{InvalidScene, validate};
 
 /// Owned arrays of a scene, as the bake makes them.

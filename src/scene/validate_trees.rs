@@ -14,7 +14,6 @@ struct Tree {
 /// Checks the BVH over instances and those of the parts.
 pub(super) fn bvh(scene: &Scene<'_>) -> Check {
     let header = scene.header;
-    require(header.first_node == 0, "header", 0, "the BVH over instances does not come first")?;
     let top = Tree {
         first_node: 0,
         nodes: header.node_count as usize,

@@ -2,7 +2,8 @@
 
 use super::trim_word::{self, TrimWord, grid_levels, unpack};
 use super::validate::{Check, require};
-use super::{Scene, TRIM_INSIDE, TrimSegment};
+use super::validate_study::structures;
+use super::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
 /// Levels of a tree at most: what the queries walk.
 const MAX_DEPTH: u32 = 32;
@@ -10,17 +11,27 @@ const MAX_DEPTH: u32 = 32;
 /// Checks the trims of faces and leaves, and the curves.
 pub(super) fn trims(scene: &Scene<'_>) -> Check {
     curves(scene)?;
+    match TrimMethod::from_number(scene.header.trim_method) {
+        None => require(false, "header", 0, "no such trim method")?,
+        Some(TrimMethod::PACKED) => packed(scene)?,
+        Some(method) => structures(scene, method)?,
+    }
+    for (index, leaf) in scene.net_leaves.iter().enumerate() {
+        let face = &scene.faces[scene.nets[leaf.net as usize].face as usize];
+        let valid = leaf.trim == TRIM_INSIDE || leaf.trim == face.trim_root;
+        require(valid, "net_leaves", index, "its trims are not its face's")?;
+    }
+    Ok(())
+}
+
+/// Checks the cells and trees of the default method.
+fn packed(scene: &Scene<'_>) -> Check {
     let mut visited = vec![false; scene.trim_nodes.len()];
     for (index, face) in scene.faces.iter().enumerate() {
         if face.trim_root != TRIM_INSIDE {
             let root = Root::new(scene, face.trim_root as usize, &mut visited);
             require(root.is_some_and(Root::is_valid), "faces", index, "its trims are inconsistent")?;
         }
-    }
-    for (index, leaf) in scene.net_leaves.iter().enumerate() {
-        let face = &scene.faces[scene.nets[leaf.net as usize].face as usize];
-        let valid = leaf.trim == TRIM_INSIDE || leaf.trim == face.trim_root;
-        require(valid, "net_leaves", index, "its trims are not its face's")?;
     }
     Ok(())
 }

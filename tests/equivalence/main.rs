@@ -5,6 +5,7 @@
 
 mod compare;
 mod synthetic;
+mod trims;
 
 use compare::{compare_hits, compare_pictures};
 use glam::DVec3;

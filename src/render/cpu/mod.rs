@@ -15,6 +15,7 @@ pub(super) mod camera;
 pub(super) mod cover;
 pub(super) mod footprint;
 pub(super) mod frames;
+mod heat;
 pub(super) mod hit;
 mod isolate;
 pub(super) mod light;
@@ -22,6 +23,7 @@ mod net;
 mod parity;
 mod planes;
 pub(super) mod probe;
+mod queries;
 pub(super) mod ray_space;
 mod render;
 pub(super) mod shade;
@@ -30,6 +32,7 @@ mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
 mod trim_curve;
+pub(super) mod trim_study;
 pub(super) mod vector;
 
 #[cfg(test)]
@@ -39,10 +42,14 @@ mod test_scenes;
 #[cfg(test)]
 mod tests;
 
+pub use self::camera::pixel_ray;
+pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
+pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
 pub use self::render::render;
+pub use self::trim::{trim_counted, trim_inside};
+pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;
-pub use trim::trim_inside;
 
 /// Which number type the kernels compute in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

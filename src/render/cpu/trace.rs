@@ -85,7 +85,7 @@ pub fn trace<T: Kernel>(
     let step = number::<T>(scene.header.grid_step);
     let mut far = far;
     let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
-    let mut instances = start_walk(scene.header.first_node, scene.header.node_count, 0);
+    let mut instances = start_walk(0, scene.header.node_count, 0);
     loop {
         let (from, to) = (near.beyond(T::ZERO), far.beyond(T::ZERO));
         let Some(instance) = next_primitive(&mut instances, scene, &top, from, to) else {

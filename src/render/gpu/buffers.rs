@@ -30,8 +30,8 @@ pub const SCENE_BINDINGS: [&str; 12] = [
 pub struct SceneHeader {
     grid_step: f32,
     scene_radius: f32,
-    first_node: u32,
     node_count: u32,
+    reserved: u32,
 }
 
 /// The longest record: what an empty array is replaced by.
@@ -82,8 +82,8 @@ impl Gpu {
             &SceneHeader {
                 grid_step: scene.header.grid_step as f32,
                 scene_radius: scene_radius(scene.header) as f32,
-                first_node: scene.header.first_node,
                 node_count: scene.header.node_count,
+                reserved: 0,
             },
         );
         let all: Vec<&wgpu::Buffer> = buffers.iter().chain([&header]).collect();

@@ -10,8 +10,8 @@ use crate::render::Exactness;
 use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::scene::{
-    Band, Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimSegment,
-    primitive, trim_word,
+    Band, Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
+    TrimSegment, TrimStructure, primitive, trim_study, trim_word,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -31,17 +31,20 @@ pub enum Entry {
     Render,
     /// Hits of given rays.
     Probe,
+    /// Whether given points are inside trims.
+    Trim,
 }
 
 impl Entry {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Render, Self::Probe];
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Render, Self::Probe, Self::Trim];
 
     /// The name of its file and of its only entry point.
     fn name(self) -> &'static str {
         match self {
             Self::Render => "render",
             Self::Probe => "probe",
+            Self::Trim => "trim",
         }
     }
 
@@ -49,6 +52,7 @@ impl Entry {
         match self {
             Self::Render => include_str!("../../../shaders/entry/render.wgsl"),
             Self::Probe => include_str!("../../../shaders/entry/probe.wgsl"),
+            Self::Trim => include_str!("../../../shaders/entry/trim.wgsl"),
         }
     }
 
@@ -57,12 +61,13 @@ impl Entry {
         match self {
             Self::Render => &[false, false],
             Self::Probe => &[true, false, false],
+            Self::Trim => &[true, false],
         }
     }
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 19] = [
+pub const FUNCTION_FILES: [(&str, &str); 20] = [
     ("elementary", include_str!("../../../shaders/elementary.wgsl")),
     ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
@@ -77,6 +82,7 @@ pub const FUNCTION_FILES: [(&str, &str); 19] = [
     ("net", include_str!("../../../shaders/net.wgsl")),
     ("trim", include_str!("../../../shaders/trim.wgsl")),
     ("trim_curve", include_str!("../../../shaders/trim_curve.wgsl")),
+    ("trim_study", include_str!("../../../shaders/trim_study.wgsl")),
     ("cover", include_str!("../../../shaders/cover.wgsl")),
     ("trace", include_str!("../../../shaders/trace.wgsl")),
     ("hit", include_str!("../../../shaders/hit.wgsl")),
@@ -93,13 +99,27 @@ pub struct Specialisation {
     pub feature_mask: u32,
     /// Decides whether the kernel has the search cell by cell at all.
     pub exactness: Exactness,
+    /// What trim queries search in: a kernel knows one structure.
+    pub trim_structure: TrimStructure,
+    /// Whether curves of that structure have slabs.
+    pub trim_boxing: bool,
 }
 
 impl Specialisation {
     /// That of a scene. Where there is no net, one kernel serves every exactness.
     pub fn of(header: &Header, exactness: Exactness) -> Self {
-        let asked =
-            Self { net_chunks: header.max_net_degree / 4 + 1, feature_mask: header.feature_mask, exactness };
+        let method = TrimMethod::from_number(header.trim_method).unwrap_or_default();
+        let asked = Self {
+            net_chunks: header.max_net_degree / 4 + 1,
+            feature_mask: header.feature_mask,
+            exactness,
+            trim_structure: match method.structure() {
+                // They differ in how the bake cuts curvesets.
+                TrimStructure::KdCurvesetsSf19 => TrimStructure::KdCurvesets,
+                structure => structure,
+            },
+            trim_boxing: method.has_boxing(),
+        };
         if asked.has(FaceKind::Nets) { asked } else { Self { exactness: Exactness::default(), ..asked } }
     }
 
@@ -111,7 +131,7 @@ impl Specialisation {
         Self {
             net_chunks: if self.net_chunks <= 4 { 4 } else { MAX_DEGREE / 4 + 1 },
             feature_mask: others | self.feature_mask & nets,
-            exactness: self.exactness,
+            ..self
         }
     }
 
@@ -164,7 +184,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 23] = [
+    let words: [(&str, u32); 39] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("CHUNKS", specialisation.net_chunks),
@@ -188,6 +208,22 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("BALANCED", Exactness::Balanced as u32),
         ("EXACT", Exactness::Exact as u32),
         ("EXACTNESS", specialisation.exactness as u32),
+        ("LIST", TrimStructure::List as u32),
+        ("SLABS", TrimStructure::Slabs as u32),
+        ("KD_CURVESETS", TrimStructure::KdCurvesets as u32),
+        ("PACKED", TrimStructure::Packed as u32),
+        ("TRIM_STRUCTURE", specialisation.trim_structure as u32),
+        ("RECORD_WORDS", trim_study::RECORD_WORDS as u32),
+        ("KD_HEADER", trim_study::KD_HEADER as u32),
+        ("ODD_BIT", trim_study::ODD_BIT),
+        ("MANY_CURVES", trim_study::MANY_CURVES),
+        ("PLACES", trim_study::PLACES),
+        ("STUDY_LEAF", trim_study::STUDY_LEAF),
+        ("PARITY_BIT", trim_study::PARITY_BIT),
+        ("LOW_IS_LEFT", trim_study::LOW_IS_LEFT),
+        ("HIGH_IS_LEFT", trim_study::HIGH_IS_LEFT),
+        ("NO_INTERVAL", u32::MAX),
+        ("SLAB_MASK", trim_study::SLAB_MASK),
     ];
     let mut text = String::new();
     for (name, value) in words {
@@ -202,6 +238,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
         ("OCCLUSION_RADIUS", light::OCCLUSION_RADIUS as f32),
         ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
+        ("BEFORE_ONE", trim_study::BEFORE_ONE),
+        ("SLAB_STEPS", trim_study::SLAB_STEPS),
     ];
     for (name, value) in numbers {
         let _ = writeln!(text, "const {name}: f32 = {value:e};");
@@ -216,6 +254,7 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
     for (name, [red, green, blue]) in colors {
         let _ = writeln!(text, "const {name} = vec3<f32>({red:e}, {green:e}, {blue:e});");
     }
+    let _ = writeln!(text, "const TRIM_BOXING: bool = {};", specialisation.trim_boxing);
     for (name, kind) in KINDS {
         let _ = writeln!(text, "const {name}: u32 = {}u;", kind as u32);
         let _ = writeln!(text, "const HAS_{name}: bool = {};", specialisation.has(kind));

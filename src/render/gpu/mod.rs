@@ -9,10 +9,12 @@ mod device;
 mod kernels;
 mod picture;
 mod rays;
+mod trims;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
 pub use kernels::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
+pub use trims::TrimQuery;
 
 /// Why the GPU cannot be used, or could not finish.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -1,0 +1,35 @@
+// Whether given points are inside the trims of their faces.
+
+struct TrimParameters {
+    query_count: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
+}
+
+struct TrimQuery {
+    uv: vec2<f32>,
+    root: u32,
+    reserved: u32,
+}
+
+@group(1) @binding(0) var<uniform> parameters: TrimParameters;
+@group(1) @binding(1) var<storage, read> queries: array<TrimQuery>;
+@group(1) @binding(2) var<storage, read_write> answers: array<u32>;
+
+const ANSWER_OUTSIDE: u32 = 0u;
+const ANSWER_INSIDE: u32 = 1u;
+
+// The function files call it; no ray is traced here.
+fn accept(collected: ptr<function, Collected>, hit: RawHit) {}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trim(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= parameters.query_count {
+        return;
+    }
+    let query = queries[id.x];
+    let point = trim_point(query.root, query.uv, vec2<f32>(-1.0));
+    let answer = select(ANSWER_OUTSIDE, ANSWER_INSIDE, point.inside);
+    answers[id.x] = select(answer, INCOMPLETE, turns > MOST_TURNS);
+}

@@ -1,0 +1,37 @@
+//! The structures of the trimming study, methods 1 to 29 of Table 2 of Sloup and Havran 2021, from a face's [`Region`].
+//!
+//! All hold the region's bi-monotone pieces as elements with control points of their own and share the region's f32 vertices, so that parities counted
+//! at a height agree bit for bit. The words and the rule of parity are those of [`crate::scene::trim_study`].
+
+mod boxing;
+mod curvesets;
+mod elements;
+mod heights;
+mod kd;
+mod list;
+mod slabs;
+#[cfg(test)]
+mod tests;
+
+use super::region::Region;
+use crate::scene::{TrimMethod, TrimStructure};
+
+/// The words and control points of one face.
+#[derive(Debug, Default)]
+pub(super) struct Structure {
+    /// The first is the scene's to set.
+    pub words: Vec<u32>,
+    /// `(w·u, w·v, w)`.
+    pub points: Vec<[f32; 3]>,
+    /// The highest degree of an element.
+    pub max_degree: u32,
+}
+
+/// Builds the structure of `method`, which is not the default one.
+pub(super) fn build(region: &Region, method: TrimMethod) -> Result<Structure, String> {
+    match method.structure() {
+        TrimStructure::List => Ok(list::build(region, method)),
+        TrimStructure::Slabs => slabs::build(region, method),
+        _ => kd::build(region, method),
+    }
+}
