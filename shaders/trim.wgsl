@@ -126,26 +126,31 @@ fn crosses(
 }
 
 fn is_right(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
+    let size = segment.high - segment.low;
+    let at = vec2<f32>(uv.x, clamp(uv.y, segment.low.y, segment.high.y)) - segment.low;
+    let by_v = (segment.band & BY_V) != 0u;
+    let x = select(at.x / size.x, at.y / size.y, by_v);
+    let size_y = select(size.y, size.x, by_v);
+    let beyond = select(at.y, at.x, by_v) - size_y * band_middle(segment.band, min(max(x, 0.0), 1.0));
+    if abs(beyond) > abs(size_y) * band_half_width(segment.band) || (segment.curve >> 27u) == 0u {
+        return (beyond > 0.0) == (by_v || size.x < 0.0);
+    }
+    return is_right_of_segment(root, segment, uv);
+}
+
+fn is_right_of_segment(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     if uv.x >= max(segment.low.x, segment.high.x) {
         return true;
     }
     if uv.x < min(segment.low.x, segment.high.x) {
         return false;
     }
-    let v = min(max(uv.y, segment.low.y), segment.high.y);
-    let along = segment.high - segment.low;
-    let from_low = vec2<f32>(uv.x, v) - segment.low;
-    let degree = segment.curve >> 27u;
-    if degree == 1u {
-        return from_low.x * along.y >= from_low.y * along.x;
+    let v = clamp(uv.y, segment.low.y, segment.high.y);
+    if (segment.curve >> 27u) == 1u {
+        let size = segment.high - segment.low;
+        return (uv.x - segment.low.x) * size.y >= (v - segment.low.y) * size.x;
     }
-    let by_v = (segment.band & BY_V) != 0u;
-    let at = from_low / along;
-    let above = select(at.y, at.x, by_v) - band_middle(segment.band, select(at.x, at.y, by_v));
-    if abs(above) > band_half_width(segment.band) || degree == 0u {
-        return (above > 0.0) == (by_v == (along.x > 0.0));
-    }
-    return is_right_of_curve(segment, trim_nodes[root + 2u], vec2<f32>(uv.x, v));
+    return is_right_of_curve(root, segment, vec2<f32>(uv.x, v));
 }
 
 fn band_middle(band: u32, x: f32) -> f32 {

@@ -2,16 +2,17 @@
 
 const MAX_STEPS: u32 = 104u;
 
-fn is_right_of_curve(segment: TrimSegment, first_point: u32, uv: vec2<f32>) -> bool {
+fn is_right_of_curve(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     let degree = segment.curve >> 27u;
-    let first = first_point + (segment.curve & POINT_MASK);
+    let is_rational = (segment.curve & RATIONAL) != 0u;
+    let first = root + (segment.curve & OFFSET_MASK);
     let falls = (segment.curve & FALLS) != 0u;
     var low = segment.low;
     var high = segment.high;
     var t_low = select(0.0, 1.0, falls);
     var t_high = 1.0 - t_low;
-    var v_low = curve_end(first, degree, falls);
-    var v_high = curve_end(first, degree, !falls);
+    var v_low = control_point(first, degree, is_rational, select(0u, degree, falls)).y;
+    var v_high = control_point(first, degree, is_rational, select(degree, 0u, falls)).y;
     for (var step = 0u; step < MAX_STEPS; step++) {
         let middle = (t_low + t_high) * 0.5;
         if middle == t_low || middle == t_high {
@@ -20,7 +21,7 @@ fn is_right_of_curve(segment: TrimSegment, first_point: u32, uv: vec2<f32>) -> b
         let secant = t_low + (t_high - t_low) * ((uv.y - v_low) / (v_high - v_low));
         let is_between = (secant > t_low && secant < t_high) || (secant < t_low && secant > t_high);
         let t = select(middle, secant, step % 3u != 2u && is_between);
-        let at = curve_point(first, degree, t);
+        let at = curve_at(first, degree, is_rational, t);
         if at.y <= uv.y {
             t_low = t;
             v_low = at.y;
@@ -44,24 +45,24 @@ fn is_right_of_curve(segment: TrimSegment, first_point: u32, uv: vec2<f32>) -> b
     return (uv.x - low.x) * (high.y - low.y) >= (uv.y - low.y) * (high.x - low.x);
 }
 
-fn curve_end(first: u32, degree: u32, is_last: bool) -> f32 {
-    let end = control_point(first + select(0u, degree, is_last));
-    return end.y / end.z;
+fn control_point(first: u32, degree: u32, is_rational: bool, index: u32) -> vec3<f32> {
+    let place = first + select(2u * index, max(3u * index, 1u) - 1u, is_rational);
+    let uv = vec2<f32>(bitcast<f32>(trim_nodes[place]), bitcast<f32>(trim_nodes[place + 1u]));
+    if is_rational && index > 0u && index < degree {
+        return vec3<f32>(uv, bitcast<f32>(trim_nodes[place + 2u]));
+    }
+    return vec3<f32>(uv, 1.0);
 }
 
-fn control_point(index: u32) -> vec3<f32> {
-    return vec3<f32>(trim_points[3u * index], trim_points[3u * index + 1u], trim_points[3u * index + 2u]);
-}
-
-fn curve_point(first: u32, degree: u32, t: f32) -> vec2<f32> {
+fn curve_at(first: u32, degree: u32, is_rational: bool, t: f32) -> vec2<f32> {
     let s = 1.0 - t;
     var factor = 1.0;
-    var sum = control_point(first) * s;
+    var sum = control_point(first, degree, is_rational, 0u) * s;
     for (var i = 1u; i < degree; i++) {
         factor = factor * t * (f32(degree + 1u - i) / f32(i));
-        sum = (sum + control_point(first + i) * factor) * s;
+        sum = (sum + control_point(first, degree, is_rational, i) * factor) * s;
     }
     let power = factor * t / f32(degree);
-    let end = sum + control_point(first + degree) * power;
+    let end = sum + control_point(first, degree, is_rational, degree) * power;
     return end.xy / end.z;
 }

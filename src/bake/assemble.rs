@@ -52,7 +52,6 @@ pub(super) fn add_face(
         scene.net_leaves.len() + baked.nets.leaves.len(),
         scene.trim_nodes.len() + baked.trim.words.len(),
         scene.trim_segments.len() + baked.trim.segments.len(),
-        scene.trim_points.len() + baked.trim.points.len(),
     ];
     if lengths.into_iter().any(|length| length >= MAX_INDEX) {
         return Err("the scene has more records than indices");
@@ -101,9 +100,7 @@ pub(super) fn add_trim(scene: &mut SceneBuffers, trim: &TrimTree) -> u32 {
     let root = scene.trim_nodes.len() as u32;
     scene.trim_nodes.extend_from_slice(&trim.words);
     scene.trim_nodes[root as usize + 1] = scene.trim_segments.len() as u32;
-    scene.trim_nodes[root as usize + 2] = scene.trim_points.len() as u32;
     scene.trim_segments.extend_from_slice(&trim.segments);
-    scene.trim_points.extend(trim.points.iter().map(|p| narrow::vector(*p)));
     scene.header.max_trim_degree = scene.header.max_trim_degree.max(trim.max_degree);
     root
 }

@@ -11,7 +11,7 @@ use crate::scene::Band;
 use glam::DVec2;
 
 /// What the kernels' f32 arithmetic may make of g: each of x and y is off by three roundings of 2⁻²⁴ and x (1 − x) by a few more; less than 32 roundings.
-const ROUNDING: f64 = 32.0 / (1u64 << 24) as f64;
+pub(super) const ROUNDING: f64 = 32.0 / (1u64 << 24) as f64;
 
 /// Halvings of the curve for the bound.
 const HALVINGS: usize = 2;

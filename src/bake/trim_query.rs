@@ -45,10 +45,10 @@ fn cell(words: &[u32], point: [f32; 2]) -> TrimWord {
 fn flips(tree: &TrimTree, toggles: u32, segment: u32, point: [f32; 2]) -> bool {
     let segment = &tree.segments[segment as usize];
     let passed = |bit: u32, end: [f32; 2]| toggles & bit != 0 && point[1] >= end[1];
-    crosses(segment, &tree.points, point) ^ passed(1, segment.low) ^ passed(2, segment.high)
+    crosses(segment, &tree.words, point) ^ passed(1, segment.low) ^ passed(2, segment.high)
 }
 
-fn crosses(segment: &TrimSegment, points: &[Homogeneous2], point: [f32; 2]) -> bool {
+fn crosses(segment: &TrimSegment, words: &[u32], point: [f32; 2]) -> bool {
     if !(segment.low[1] <= point[1] && point[1] < segment.high[1]) {
         return false;
     }
@@ -62,19 +62,32 @@ fn crosses(segment: &TrimSegment, points: &[Homogeneous2], point: [f32; 2]) -> b
     if u < low[0].min(high[0]) {
         return false;
     }
-    let degree = segment.degree() as usize;
-    if degree == 1 {
+    if segment.degree() == 1 {
         return low[0] + (v - low[1]) / (high[1] - low[1]) * (high[0] - low[0]) <= u;
     }
-    let first = (segment.curve & TrimSegment::POINT_MASK) as usize;
-    let control = &points[first..=first + degree];
+    let control = control_points(segment, words);
     let range = if segment.curve & TrimSegment::FALLS != 0 { [1.0, 0.0] } else { [0.0, 1.0] };
-    let t = parameter_at(control, 1, v, range, true);
+    let t = parameter_at(&control, 1, v, range, true);
     de_casteljau(control, t).x <= u
 }
 
-fn de_casteljau(control: &[Homogeneous2], t: f64) -> glam::DVec2 {
-    let mut row: smallvec::SmallVec<[Homogeneous2; 8]> = control.into();
+/// Control points, mostly few.
+type Control = smallvec::SmallVec<[Homogeneous2; 8]>;
+
+fn control_points(segment: &TrimSegment, words: &[u32]) -> Control {
+    let degree = segment.degree() as usize;
+    let is_rational = segment.curve & TrimSegment::RATIONAL != 0;
+    let words = &words[(segment.curve & TrimSegment::OFFSET_MASK) as usize..];
+    let number = |place: usize| f64::from(f32::from_bits(words[place]));
+    let point = |index: usize| {
+        let place = if !is_rational { 2 * index } else { (3 * index).saturating_sub(1) };
+        let weight = if is_rational && index > 0 && index < degree { number(place + 2) } else { 1.0 };
+        Homogeneous2::new(number(place), number(place + 1), weight)
+    };
+    (0..=degree).map(point).collect()
+}
+
+fn de_casteljau(mut row: Control, t: f64) -> glam::DVec2 {
     for level in (1..row.len()).rev() {
         for i in 0..level {
             row[i] = row[i] * (1.0 - t) + row[i + 1] * t;

@@ -1,8 +1,9 @@
 //! The segments of a face's trims: its pieces, halved where their bands would leave too much to the curves.
 
+use super::narrow;
 use super::region::{Piece, Region, number};
-use super::trim_band::band;
-use crate::geometry::Homogeneous2;
+use super::trim_band::{self, band};
+use crate::geometry::{Bezier, Homogeneous2};
 use crate::scene::{Band, MAX_DEGREE, TrimSegment};
 
 /// A segment is halved while its band covers more of the window than this: the share of evenly spread points that would need the curve.
@@ -20,10 +21,10 @@ pub(super) struct Segments {
 }
 
 impl Segments {
-    /// Those of a region.
-    pub(super) fn new(region: &Region) -> Result<Self, String> {
+    /// Those of the pieces of a region that are needed.
+    pub(super) fn new(region: &Region, is_needed: impl Fn(&Piece) -> bool) -> Result<Self, String> {
         let mut segments = Self { pieces: Vec::new(), bands: Vec::new() };
-        for piece in &region.pieces {
+        for piece in region.pieces.iter().filter(|piece| is_needed(piece)) {
             segments.add(region, piece, MAX_HALVINGS);
         }
         number(&mut segments.pieces);
@@ -53,42 +54,68 @@ impl Segments {
         }
     }
 
-    /// The records, the control points that they name, and the highest degree.
+    /// The records and the highest degree; the curves that they name are added to `words`.
     pub(super) fn into_records(
         self,
         region: &Region,
-    ) -> Result<(Vec<TrimSegment>, Vec<Homogeneous2>, u32), String> {
-        let mut points = Vec::new();
-        let mut first_point = vec![u32::MAX; region.curves.len()];
+        words: &mut Vec<u32>,
+    ) -> Result<(Vec<TrimSegment>, u32), String> {
+        let mut stored: Vec<Option<StoredCurve>> = vec![None; region.curves.len()];
         let mut max_degree = 0;
         let mut records = Vec::with_capacity(self.pieces.len());
         for (piece, band) in self.pieces.iter().zip(self.bands) {
-            let (degree, first) = match piece.curve {
-                None => (1, 0),
-                Some(curve) => {
-                    let own = &region.curves[curve as usize].points;
-                    let first = &mut first_point[curve as usize];
-                    if *first == u32::MAX {
-                        *first = points.len() as u32;
-                        points.extend_from_slice(own);
-                    }
-                    (own.len() as u32 - 1, *first)
-                }
+            let curve = match piece.curve {
+                None => StoredCurve { degree: 1, is_rational: false, offset: 0 },
+                Some(index) => match stored[index as usize] {
+                    Some(curve) => curve,
+                    None => *stored[index as usize].insert(store(&region.curves[index as usize], words)?),
+                },
             };
-            max_degree = max_degree.max(degree);
-            let curve = TrimSegment::curve_word(degree, piece.t[0] > piece.t[1], first).ok_or_else(|| {
-                format!("{} trim curves up to degree {MAX_DEGREE} are too many", region.pieces.len())
-            })?;
+            max_degree = max_degree.max(curve.degree);
+            let falls = piece.t[0] > piece.t[1];
+            let curve = TrimSegment::curve_word(curve.degree, falls, curve.is_rational, curve.offset)
+                .ok_or_else(|| {
+                    format!("{} trim curves up to degree {MAX_DEGREE} are too many", region.pieces.len())
+                })?;
             records.push(TrimSegment { low: piece.low, high: piece.high, band: band.pack(), curve });
         }
-        Ok((records, points, max_degree))
+        Ok((records, max_degree))
     }
 }
 
-fn band_of(region: &Region, piece: &Piece) -> Band {
-    let Some(curve) = piece.curve else { return Band::NONE };
-    if (0..2).any(|axis| piece.low[axis] == piece.high[axis]) {
-        return Band::NONE;
+/// A curve among the words.
+#[derive(Clone, Copy)]
+struct StoredCurve {
+    degree: u32,
+    is_rational: bool,
+    offset: u32,
+}
+
+/// Adds a curve to `words`.
+fn store(curve: &Bezier<Homogeneous2>, words: &mut Vec<u32>) -> Result<StoredCurve, String> {
+    let last = curve.points.len() - 1;
+    if curve.points[0].z != 1.0 || curve.points[last].z != 1.0 {
+        return Err("a trim curve's weights at its ends are not 1".into());
     }
-    band(&region.curves[curve as usize].piece(piece.t[0], piece.t[1]), piece.low, piece.high)
+    let stored = StoredCurve {
+        degree: last as u32,
+        is_rational: curve.points.iter().any(|p| p.z != 1.0),
+        offset: words.len() as u32,
+    };
+    for (index, point) in curve.points.iter().enumerate() {
+        let numbers = if stored.is_rational && index > 0 && index < last { 3 } else { 2 };
+        words.extend(point.to_array()[..numbers].iter().map(|&x| narrow::number(x).to_bits()));
+    }
+    Ok(stored)
+}
+
+/// The band of a piece. A straight one goes by v, so that its u at a height comes of it, within the roundings of kernels.
+fn band_of(region: &Region, piece: &Piece) -> Band {
+    match piece.curve {
+        None => Band { by_v: true, half_width: trim_band::ROUNDING as f32, ..Band::NONE },
+        Some(_) if (0..2).any(|axis| piece.low[axis] == piece.high[axis]) => Band::NONE,
+        Some(curve) => {
+            band(&region.curves[curve as usize].piece(piece.t[0], piece.t[1]), piece.low, piece.high)
+        }
+    }
 }

@@ -15,7 +15,6 @@
 
 use super::region::{Piece, Region};
 use super::trim_segments::Segments;
-use crate::geometry::Homogeneous2;
 use crate::scene::TrimSegment;
 use crate::scene::trim_word::{self, HEADER_WORDS, MAX_GRID_LEVEL, PLANE_STEPS, TrimWord, position};
 use smallvec::SmallVec;
@@ -46,12 +45,10 @@ const WORDS_PER_MENTION: usize = 3 * (MAX_DEPTH + 1) + 2;
 /// The trims of one face; indices count from its own arrays.
 #[derive(Debug, Clone, Default)]
 pub(super) struct TrimTree {
-    /// The root's header first; its words 1 and 2 are the scene's to set.
+    /// The root's header first; its word 1 is the scene's to set.
     pub words: Vec<u32>,
     /// Segments.
     pub segments: Vec<TrimSegment>,
-    /// Control points of curves, f64.
-    pub points: Vec<Homogeneous2>,
     /// The highest degree of a curve.
     pub max_degree: u32,
 }
@@ -104,28 +101,27 @@ pub(super) fn build(region: &Region) -> Result<TrimTree, String> {
     let whole = Cell { low: [0.0; 2], high: [1.0; 2] };
     if !region.is_bounded {
         let word = trim_word::pack(TrimWord::Uniform { inside: true });
-        return Ok(TrimTree { words: vec![trim_word::grid([0, 0]), 0, 0, word], ..TrimTree::default() });
+        return Ok(TrimTree { words: vec![trim_word::grid([0, 0]), 0, word], ..TrimTree::default() });
     }
     let budget = region.pieces.len() * MENTIONS_PER_PIECE + FREE_MENTIONS;
-    let segments = Segments::new(region)?;
     let mut inside = false;
-    for piece in &segments.pieces {
+    for piece in &region.pieces {
         inside ^= piece.low == [0.0; 2] && piece.high[1] > 0.0;
     }
-    let mut root = Content { cell: whole, pieces: segments.pieces.clone(), inside };
-    tidy(&root.cell, &mut root.pieces);
+    let segments = Segments::new(region, |piece| !lies_on_edge(&whole, piece))?;
+    let root = Content { cell: whole, pieces: segments.pieces.clone(), inside };
     let levels = grid_levels(&root.pieces);
     let cells = 1_usize << (levels[0] + levels[1]);
     let mut words = vec![0; HEADER_WORDS + cells];
     words[0] = trim_word::grid(levels);
     let mut builder = Builder { region, segments, words };
     builder.fill_grid(root, levels, [0, 0], levels, budget);
-    let Builder { segments, words, .. } = builder;
+    let Builder { segments, mut words, .. } = builder;
     if words.len() > trim_word::MAX_OFFSET as usize {
         return Err(format!("{} trim curves are too many", region.pieces.len()));
     }
-    let (segments, points, max_degree) = segments.into_records(region)?;
-    Ok(TrimTree { words, segments, points, max_degree })
+    let (segments, max_degree) = segments.into_records(region, &mut words)?;
+    Ok(TrimTree { words, segments, max_degree })
 }
 
 /// log2 of the cells along u and v: about [`CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the most of them without a piece.
@@ -297,9 +293,11 @@ fn mention(segment: &Piece, piece: &Piece, cell: &Cell) -> (u32, bool) {
 
 /// Removes the pieces that neither the cell nor a part of it needs: those along its edges.
 fn tidy(cell: &Cell, pieces: &mut Vec<Piece>) {
-    let on_edge =
-        |piece: &Piece, axis| piece.lies_at(axis, cell.low[axis]) || piece.lies_at(axis, cell.high[axis]);
-    pieces.retain(|piece| !on_edge(piece, 0) && !on_edge(piece, 1));
+    pieces.retain(|piece| !lies_on_edge(cell, piece));
+}
+
+fn lies_on_edge(cell: &Cell, piece: &Piece) -> bool {
+    (0..2).any(|axis| piece.lies_at(axis, cell.low[axis]) || piece.lies_at(axis, cell.high[axis]))
 }
 
 /// Whether `piece` rose from the lower left corner of `cell` until clipping rounded it onto the bottom edge: the walk, which started below it, now

@@ -6,14 +6,15 @@
 //!
 //! ```text
 //! root    word 0: log2 of the number of cells along u [3:0], along v [7:4]
-//!         word 1: first segment of the face in trim_segments      word 2: first control point of the face in trim_points
-//!         then the cells, u fastest; then the nodes of trees and the lists. Offsets in words count from the root.
+//!         word 1: first segment of the face in trim_segments
+//!         then the cells, u fastest; then the nodes of trees and the lists; then the curves. Offsets in words count from the root.
 //! inner   [31] = 0  [30] axis  [29:16] plane in steps of 2⁻¹⁴ of the window  [15:0] words to the right child
 //!         (the left child is the next word; distance 0xffff: the next word holds the distance, the left child follows it)
 //! uniform [31:29] = 100  [28] inside
 //! one     [31:29] = 101  [28] corner  [27:26] toggles  [25:0] segment of the face
 //! list    [31:29] = 110  [28:0] offset of: [31] corner [30:0] count, then a word for each segment: [31:30] toggles [25:0] segment of the face
 //! tree    [31:29] = 111  [28:0] offset of the root of a kd-tree (in the grid only)
+//! curve   f32 bits: (u, v) of each control point; of a rational curve (u w, v w, w) of the inner ones, and weights of 1 at the ends
 //! ```
 //! A point goes to the cell that it lies in, upper borders excluded but for the window's own, and in a tree left where its coordinate is below the plane.
 //! Its state is `corner`, flipped once for each segment of the cell that passes left of it at its height (`low.v <= v < high.v` and `u(v) <= u`), and once for each
@@ -40,27 +41,40 @@ pub struct TrimSegment {
     pub high: [f32; 2],
     /// A [`Band`], where the degree is above 1.
     pub band: u32,
-    /// `degree << 27 | falls << 26 | first control point of the face`. Degree 1: the straight line from low to high, without points; degree 0:
-    /// the middle of the band, without points. `falls`: the curve's parameter runs from high to low.
+    /// `degree << 27 | falls << 26 | rational << 25 | offset of the curve`. Degree 1: the straight line from low to high, without a curve; degree 0:
+    /// the middle of the band, without a curve. `falls`: the curve's parameter runs from high to low.
     pub curve: u32,
 }
 
 impl TrimSegment {
     /// Bit of `curve`: v falls with the curve's parameter.
     pub const FALLS: u32 = 1 << 26;
-    /// Mask of the first control point in `curve`.
-    pub const POINT_MASK: u32 = Self::FALLS - 1;
+    /// Bit of `curve`: inner control points have weights.
+    pub const RATIONAL: u32 = 1 << 25;
+    /// Mask of the offset in `curve`.
+    pub const OFFSET_MASK: u32 = Self::RATIONAL - 1;
 
     /// The word `curve`; nothing where a number does not fit.
-    pub fn curve_word(degree: u32, falls: bool, first_point: u32) -> Option<u32> {
-        let fits = degree <= MAX_DEGREE && first_point <= Self::POINT_MASK;
-        fits.then_some(degree << 27 | if falls { Self::FALLS } else { 0 } | first_point)
+    pub fn curve_word(degree: u32, falls: bool, is_rational: bool, offset: u32) -> Option<u32> {
+        let fits = degree <= MAX_DEGREE && offset <= Self::OFFSET_MASK;
+        let flags = if falls { Self::FALLS } else { 0 } | if is_rational { Self::RATIONAL } else { 0 };
+        fits.then_some(degree << 27 | flags | offset)
     }
 
     /// The degree.
     #[inline(always)]
     pub const fn degree(&self) -> u32 {
         self.curve >> 27
+    }
+
+    /// Words of the curve.
+    pub const fn curve_words(&self) -> usize {
+        let degree = self.degree() as usize;
+        match (degree, self.curve & Self::RATIONAL != 0) {
+            (0 | 1, _) => 0,
+            (_, false) => 2 * (degree + 1),
+            (_, true) => 3 * degree + 1,
+        }
     }
 }
 
@@ -125,7 +139,7 @@ impl Band {
 /// Words of `trim_nodes`; see the head of the module.
 pub mod trim_word {
     /// Words before the cells.
-    pub const HEADER_WORDS: usize = 3;
+    pub const HEADER_WORDS: usize = 2;
     /// log2 of the number of cells along an axis at most.
     pub const MAX_GRID_LEVEL: u32 = 8;
     /// Steps of split planes across the window.

@@ -146,10 +146,18 @@ impl<'a> Root<'a> {
     }
 
     fn segment(&self, segment: u32) -> bool {
-        let words = self.scene.trim_nodes;
-        let index = words[self.root + 1] as usize + segment as usize;
+        let index = self.scene.trim_nodes[self.root + 1] as usize + segment as usize;
         let Some(segment) = self.scene.trim_segments.get(index) else { return false };
-        let first = words[self.root + 2] as usize + (segment.curve & TrimSegment::POINT_MASK) as usize;
-        segment.degree() <= 1 || first + segment.degree() as usize + 1 <= self.scene.trim_points.len()
+        let first = self.root + (segment.curve & TrimSegment::OFFSET_MASK) as usize;
+        let Some(words) = self.scene.trim_nodes.get(first..first + segment.curve_words()) else {
+            return false;
+        };
+        let is_rational = segment.curve & TrimSegment::RATIONAL != 0;
+        // The third number of each inner control point is a weight.
+        let is_weight = |place: usize| is_rational && place > 2 && place + 2 < words.len() && place % 3 == 1;
+        words.iter().enumerate().all(|(place, &word)| {
+            let x = f32::from_bits(word);
+            x.is_finite() && (x > 0.0 || !is_weight(place))
+        })
     }
 }

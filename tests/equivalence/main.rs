@@ -192,8 +192,11 @@ fn canaries_are_noticed() {
     let wrong: [(&str, Change); 4] = [
         ("a kernel without nets", |scene| scene.header.feature_mask &= !(1 << FaceKind::Nets as u32)),
         ("a cylinder too wide by a hundredth", |scene| scene.faces[1].radius_0 *= 1.01),
-        ("a trim curve moved by a tenth", |scene| {
-            scene.trim_points.iter_mut().for_each(|p| p[0] += 0.1 * p[2])
+        ("trims moved by a tenth", |scene| {
+            for segment in &mut scene.trim_segments {
+                segment.low[0] += 0.1;
+                segment.high[0] += 0.1;
+            }
         }),
         ("a net point moved by a hundredth", |scene| scene.net_points[5][2] += 0.01),
     ];

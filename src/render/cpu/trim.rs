@@ -197,8 +197,29 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     }
 
     /// Whether the segment, which is not level, passes left of the point at the point's v, or at its own end that is nearest to that.
+    ///
+    /// Without branches but for what the band leaves undecided. A band by v gives the segment's u at the height; one by u its v, which is above or below.
     #[inline(always)]
     fn is_right(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+        let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
+        let size = [high[0] - low[0], high[1] - low[1]];
+        let at = [uv[0] - low[0], uv[1].max(low[1]).min(high[1]) - low[1]];
+        let band = Band::unpack(segment.band);
+        let (x, size_x, y, size_y) =
+            if band.by_v { (at[1], size[1], at[0], size[0]) } else { (at[0], size[0], at[1], size[1]) };
+        let beyond = y - size_y * band_middle(&band, (x / size_x).max(T::ZERO).min(T::ONE));
+        let is_decided = beyond.abs() > size_y.abs() * T::from_f32(band.half_width) || segment.degree() == 0;
+        if is_decided {
+            (beyond > T::ZERO) == (band.by_v || size[0] < T::ZERO)
+        } else {
+            self.is_right_of_curve(segment, uv, counts)
+        }
+    }
+
+    /// [`Self::is_right`] by the segment itself.
+    #[cold]
+    #[inline(never)]
+    fn is_right_of_curve(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
         let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
         if uv[0] >= low[0].max(high[0]) {
             return true;
@@ -207,23 +228,13 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
             return false;
         }
         let v = uv[1].max(low[1]).min(high[1]);
-        let (along_u, along_v) = (high[0] - low[0], high[1] - low[1]);
-        let (u, v_above) = (uv[0] - low[0], v - low[1]);
         if segment.degree() == 1 {
-            return u * along_v >= v_above * along_u;
-        }
-        let band = Band::unpack(segment.band);
-        let (along, across) = (u / along_u, v_above / along_v);
-        let (along, across) = if band.by_v { (across, along) } else { (along, across) };
-        let above = across - band_middle(&band, along);
-        if above.abs() > T::from_f32(band.half_width) || segment.degree() == 0 {
-            return (above > T::ZERO) == (band.by_v == (along_u > T::ZERO));
+            return (uv[0] - low[0]) * (high[1] - low[1]) >= (v - low[1]) * (high[0] - low[0]);
         }
         if COUNT {
             counts.exact_tests += 1;
         }
-        let first_point = self.scene.trim_nodes[self.root + 2];
-        is_right_of_curve(self.scene, segment, first_point, [uv[0], v], &mut counts.evaluations)
+        is_right_of_curve(&self.scene.trim_nodes[self.root..], segment, [uv[0], v], &mut counts.evaluations)
     }
 }
 
@@ -250,30 +261,29 @@ mod tests {
     const CENTER: f32 = 0.5;
     const RADIUS: f32 = 0.4;
 
-    /// The four quarters of a circle, right upper first, counter-clockwise; their bands decide nothing.
+    /// The four quarters of a circle, right upper first, counter-clockwise; their bands decide nothing. The curves follow the words.
     fn quarters(scene: &mut SceneBuffers) {
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0_f32)];
         let place = |(x, y): (f32, f32)| [CENTER + RADIUS * x, CENTER + RADIUS * y];
         let band = Band::NONE.pack();
         for i in 0..4 {
             let (from, to) = (corners[i], corners[i + 1]);
-            let first_point = scene.trim_points.len() as u32;
             let [start, end] = [place(from), place(to)];
-            let middle = place((from.0 + to.0, from.1 + to.1)).map(|x| x * FRAC_1_SQRT_2);
-            scene.trim_points.push([start[0], start[1], 1.0]);
-            scene.trim_points.push([middle[0], middle[1], FRAC_1_SQRT_2]);
-            scene.trim_points.push([end[0], end[1], 1.0]);
+            let [u, v] = place((from.0 + to.0, from.1 + to.1)).map(|x| x * FRAC_1_SQRT_2);
+            let offset = scene.trim_nodes.len() as u32;
+            let numbers = [start[0], start[1], u, v, FRAC_1_SQRT_2, end[0], end[1]];
+            scene.trim_nodes.extend(numbers.map(f32::to_bits));
             let falls = start[1] > end[1];
             let (low, high) = if falls { (end, start) } else { (start, end) };
-            let curve = TrimSegment::curve_word(2, falls, first_point).expect("small numbers");
+            let curve = TrimSegment::curve_word(2, falls, true, offset).expect("small numbers");
             scene.trim_segments.push(TrimSegment { low, high, band, curve });
         }
     }
 
     fn assert_is_the_disc(words: &[u32]) {
-        let mut scene = SceneBuffers::default();
+        let mut scene = SceneBuffers { trim_nodes: words.to_vec(), ..SceneBuffers::default() };
+        scene.header.trim_method = TrimMethod::PACKED.number();
         quarters(&mut scene);
-        scene.trim_nodes = words.to_vec();
         let scene = scene.scene();
         for i in 0..200 {
             for j in 0..200 {
@@ -293,9 +303,9 @@ mod tests {
 
     #[test]
     fn one_cell_holds_a_circle() {
-        let list = pack(TrimWord::List { offset: 4 });
+        let list = pack(TrimWord::List { offset: 3 });
         let entries = [0, 1, 2, 3].map(|segment| list_entry(0, segment));
-        assert_is_the_disc(&[&[grid([0, 0]), 0, 0, list, list_head(false, 4)][..], &entries].concat());
+        assert_is_the_disc(&[&[grid([0, 0]), 0, list, list_head(false, 4)][..], &entries].concat());
     }
 
     /// Right of u = ½ the upper quarter falls to the right and toggles at its upper end, the lower one rises and toggles at its lower end.
@@ -311,17 +321,17 @@ mod tests {
 
     #[test]
     fn cells_of_a_grid_see_what_leaves_through_their_left_edge() {
-        let [left, right] = [left_half(5), right_half(8)];
-        let words = [&[grid([1, 0]), 0, 0, left[0], right[0]][..], &left[1..], &right[1..]].concat();
+        let [left, right] = [left_half(4), right_half(7)];
+        let words = [&[grid([1, 0]), 0, left[0], right[0]][..], &left[1..], &right[1..]].concat();
         assert_is_the_disc(&words);
     }
 
     #[test]
     fn cells_of_a_tree_do_too_at_any_distance() {
         for is_far in [false, true] {
-            let tree = pack(TrimWord::Tree { offset: 4 });
+            let tree = pack(TrimWord::Tree { offset: 3 });
             let inner = |right: u32| pack(TrimWord::Inner { axis: 0, plane: 1 << 13, right });
-            let header = [grid([0, 0]), 0, 0, tree];
+            let header = [grid([0, 0]), 0, tree];
             let inner = if is_far { vec![inner(FAR), 6] } else { vec![inner(5)] };
             let at = (header.len() + inner.len()) as u32;
             assert_is_the_disc(&[&header[..], &inner, &left_half(at + 1), &right_half(at + 5)].concat());

@@ -184,7 +184,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 39] = [
+    let words: [(&str, u32); 40] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("CHUNKS", specialisation.net_chunks),
@@ -194,7 +194,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("TRIM_INSIDE", TRIM_INSIDE),
         ("NET_LEAF_BIT", primitive::NET_LEAF_BIT),
         ("FALLS", TrimSegment::FALLS),
-        ("POINT_MASK", TrimSegment::POINT_MASK),
+        ("RATIONAL", TrimSegment::RATIONAL),
+        ("OFFSET_MASK", TrimSegment::OFFSET_MASK),
         ("HEADER_WORDS", trim_word::HEADER_WORDS as u32),
         ("PLANE_STEPS", trim_word::PLANE_STEPS),
         ("FAR", trim_word::FAR),
