@@ -159,6 +159,20 @@ fn loops_of_all_kinds() {
     }
 }
 
+#[test]
+fn a_region_without_curves_is_its_window() {
+    for method in methods() {
+        let structure = build(&Region::default(), method).expect("a structure");
+        let mut scene = SceneBuffers::default();
+        scene.header.trim_method = method.number();
+        scene.trim_nodes = structure.words;
+        scene.trim_points = structure.points;
+        for point in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.3, 0.7]] {
+            assert!(trim_inside(&scene.scene(), 0, point), "{} {point:?}", method.label());
+        }
+    }
+}
+
 fn fixture(name: &str) -> (SceneBuffers, TrimRegions) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name).join("model.step");
     baked(&path)
