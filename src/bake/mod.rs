@@ -25,7 +25,9 @@ mod study;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod trim_band;
 mod trim_query;
+mod trim_segments;
 #[cfg(test)]
 mod trim_tests;
 mod trim_tree;

@@ -29,6 +29,7 @@ mod slab;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
+mod trim_curve;
 pub(super) mod trim_study;
 pub(super) mod vector;
 

@@ -50,6 +50,14 @@ pub fn trim_counted<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], counts: &
     }
 }
 
+/// [`study_inside`] by the scene's own method; not inlined, for the sake of the default method's query.
+#[cold]
+#[inline(never)]
+pub fn ask_study<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
+    TrimMethod::from_number(scene.header.trim_method)
+        .is_some_and(|method| study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default()))
+}
+
 /// Whether `uv`, normalised and within the window, is inside the trims at `root`, in a scene of a method of the study.
 pub fn study_inside<T: Real, const COUNT: bool>(
     scene: &Scene<'_>,
