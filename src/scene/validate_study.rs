@@ -108,8 +108,9 @@ impl Words<'_> {
         }
         let first = place + 1 + count + 1;
         // A slab of vertical lines at one place has an end and no interval; one of no curves has neither.
-        let mut list = first.checked_add(count)?;
-        for interval in first..list {
+        let end = first.checked_add(count)?;
+        let mut list = end;
+        for interval in first..end {
             let word = self.get(interval)?;
             let at = (word & (PLACES - 1)) as usize;
             let mut number = word >> 24 & MANY_CURVES;
