@@ -107,7 +107,7 @@ impl Words<'_> {
             self.ascending(place + 1, count + 1)?;
         }
         let first = place + 1 + count + 1;
-        // A slab of vertical lines at one place has an end and no interval; one of no curves has neither.
+        // A slab of no curves, or of vertical lines at one place, has an end and no interval.
         let end = first.checked_add(count)?;
         let mut list = end;
         for interval in first..end {
