@@ -7,13 +7,14 @@ struct TrimPoint {
     is_near: bool,
 }
 
-fn trim_point(root: u32, uv: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
+fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint(true, false);
     }
     if TRIM_STRUCTURE != PACKED {
-        return TrimPoint(study_inside(root, uv), false);
+        return TrimPoint(study_inside(root, at), false);
     }
+    let uv = min(at, vec2<f32>(BEFORE_ONE));
     var is_near = false;
     let word = trim_cell(root, uv, extent, &is_near);
     let kind = word >> 29u;
@@ -25,8 +26,8 @@ fn trim_point(root: u32, uv: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
         let head = trim_nodes[head_at];
         inside = (head >> 31u) == 1u;
         let end = head_at + (head & 0x7fffffffu);
-        for (var at = head_at + 1u; at <= end; at++) {
-            let entry = trim_nodes[at];
+        for (var index = head_at + 1u; index <= end; index++) {
+            let entry = trim_nodes[index];
             inside = inside != flips(root, entry >> 30u, entry & MAX_SEGMENT, uv, extent, &is_near);
         }
     } else if kind != 4u {

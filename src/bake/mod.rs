@@ -8,8 +8,11 @@ mod assemble;
 mod binary_tree;
 mod budget;
 mod bvh;
+mod elevate;
+mod extent;
 mod faces;
 mod gaps;
+mod judge;
 mod leaves;
 mod materials;
 mod metadata;
@@ -28,13 +31,17 @@ mod tests;
 mod trim_band;
 mod trim_query;
 mod trim_segments;
+mod trim_statistics;
 #[cfg(test)]
 mod trim_tests;
 mod trim_tree;
 
 use self::assemble::PartDraft;
 use self::budget::budget;
+pub use self::elevate::Lines;
+pub use self::extent::extent;
 use self::faces::{BakedFace, PartSpace, bake_face};
+pub use self::judge::TrimJudge;
 use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
 use self::region::Region;
@@ -258,12 +265,7 @@ fn spaces(
     parts: &[Id<brep::Part>],
     part_boxes: &[Aabb],
 ) -> (Header, Vec<PartSpace>) {
-    let bounds_of = |occurrence: &Occurrence| {
-        let slot = parts.binary_search(&occurrence.part).ok()?;
-        let world = part_boxes[slot].transformed(occurrence.world_from_part);
-        (!world.is_empty() && narrow::is_within_reach(&world)).then_some(world)
-    };
-    let world = occurrences.iter().filter_map(bounds_of).fold(Aabb::EMPTY, Aabb::union);
+    let world = extent::box_of_occurrences(occurrences, parts, part_boxes);
     let grid_step = narrow::grid_step(world.diagonal());
     let center = |bounds: Aabb| {
         if bounds.is_empty() { DVec3::ZERO } else { narrow::snap(bounds.center(), grid_step) }

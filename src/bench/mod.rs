@@ -2,14 +2,17 @@
 
 mod accuracy;
 mod leaks;
+mod lines;
 mod plot;
 mod rays;
 mod stages;
 pub mod stress;
+pub mod trim;
 mod work;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
 pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
+pub use lines::{PlotLine, lines_svg};
 pub use plot::{PlotPoint, work_precision_svg};
 pub use rays::{aimed, chord};
 pub use stages::{Seconds, Stages, measure_stages};

@@ -22,7 +22,8 @@ const MARGINS: [f64; 4] = [64.0, 40.0, 150.0, 48.0];
 const MOST_LABELS: i32 = 8;
 
 /// Colour-blind safe (Okabe and Ito 2008).
-const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+pub(super) const COLORS: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
 /// The whole decades around `values`; one where there are none.
 fn decades(values: impl Iterator<Item = f64> + Clone) -> [i32; 2] {
@@ -105,7 +106,7 @@ pub fn work_precision_svg(title: &str, points: &[PlotPoint]) -> String {
     svg
 }
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -126,7 +126,7 @@ fn measure(
 }
 
 /// Runs `work` where rayon has one thread; in place where there can be no such pool.
-fn on_one_thread<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+pub(super) fn on_one_thread<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),

@@ -20,7 +20,7 @@ pub struct Occurrence {
 const MAX_DEPTH: usize = 128;
 
 /// A model may not place more parts than this.
-const MAX_OCCURRENCES: usize = 1_000_000;
+pub(super) const MAX_OCCURRENCES: usize = 1_000_000;
 
 /// Nor may the walk take more memory for paths than this, with [`STEP_COST`] for each step: shared subtrees without any body can
 /// make it exponential, and so can long names.

@@ -87,6 +87,13 @@ impl Diagnostics {
         summary.faces = summary.faces.saturating_add(diagnostic.faces);
         summary.reason = format!("{} more findings of this kind are not listed", self.counts[at]);
     }
+
+    /// Every finding costs so many times the faces: those of copies of the model.
+    pub(super) fn multiply_faces(&mut self, copies: u32) {
+        for diagnostic in &mut self.list {
+            diagnostic.faces = diagnostic.faces.saturating_mul(copies);
+        }
+    }
 }
 
 impl Deref for Diagnostics {

@@ -11,6 +11,7 @@ mod id;
 mod model;
 pub mod primitive;
 mod recognise;
+mod replicate;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
@@ -21,4 +22,5 @@ pub use model::{
     Body, BodyKind, Child, Coedge, Edge, Face, LengthUnit, Model, Part, Pcurve, Source, TrimLoop, Vertex,
 };
 pub use recognise::recognise_surfaces;
+pub use replicate::{ReplicateError, replicate};
 pub use style::Color;

@@ -106,6 +106,9 @@ pub(super) struct Render {
     /// How carefully hits on free-form faces are searched for where a ray grazes them.
     #[arg(long, value_enum, default_value_t = ExactnessChoice::Exact)]
     pub(super) exactness: ExactnessChoice,
+    /// Show what something costs instead of what is seen; on the CPU.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) aov: Option<AovChoice>,
 }
 
 /// Where the picture is taken from.
@@ -140,7 +143,8 @@ pub(super) struct View {
 #[command(after_help = "\
 Examples:
   trimray bake plant.step
-  trimray bake plant.step -o /tmp/plant.trimray --keep-f64")]
+  trimray bake plant.step -o /tmp/plant.trimray --keep-f64
+  trimray bake engine.step -o engines.trimray --replicate 5,5,3")]
 pub(super) struct Bake {
     /// A STEP or IGES file.
     #[arg(value_name = "INPUT")]
@@ -156,6 +160,9 @@ pub(super) struct Bake {
     /// What trim queries search in: a row of Table 2 of Sloup and Havran 2021, by number or name (lc, hs+b, kc+rbe, kcs-sf19, ...), or packed.
     #[arg(long, value_name = "METHOD", default_value = "packed")]
     pub(super) trim_method: TrimMethod,
+    /// Bake so many copies of the model along x, y and z, side by side, each with faces of its own.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_counts)]
+    pub(super) replicate: Option<[u32; 3]>,
 }
 
 /// Tells what is in a file: units, product tree, faces by kind, sizes, and what was dropped and why.
@@ -218,6 +225,13 @@ pub(super) enum DeviceChoice {
     Gpu,
 }
 
+/// What a picture shows other than light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum AovChoice {
+    /// Exact odd-even trim tests for each pixel, from black (0) over blue, cyan, green and yellow to red (20 or more); an EXR file has the numbers too.
+    TrimTests,
+}
+
 /// [`Exactness`], with what each costs and loses: measured in f32 on twelve free-form models, with 100,000 random chords each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum ExactnessChoice {
@@ -254,7 +268,7 @@ pub(super) enum PrecisionChoice {
 /// More pixels than this would not fit the memory of common machines.
 const MAX_PIXELS: u64 = 1 << 27;
 
-fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
     let (width, height) =
         text.split_once([',', 'x', 'X']).ok_or("expected W,H or WxH, such as 1000,600".to_owned())?;
     let side = |text: &str| match text.trim().parse::<u32>() {
@@ -266,6 +280,16 @@ fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
         return Err(format!("more than {MAX_PIXELS} pixels"));
     }
     Ok([width, height])
+}
+
+/// Copies along x, y and z.
+pub(super) fn parse_counts(text: &str) -> Result<[u32; 3], String> {
+    let counts: Vec<Option<u32>> =
+        text.split(',').map(|n| n.trim().parse().ok().filter(|&count| count > 0)).collect();
+    match counts[..] {
+        [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
+        _ => Err("expected three counts X,Y,Z, each at least 1".to_owned()),
+    }
 }
 
 fn parse_point(text: &str) -> Result<DVec3, String> {
@@ -332,6 +356,14 @@ mod tests {
         assert_eq!(parse_resolution("64x48"), Ok([64, 48]));
         for wrong in ["", "3", "0,5", "-1,5", "1,2,3", "65536,65536", "1e3,5"] {
             assert!(parse_resolution(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn counts() {
+        assert_eq!(parse_counts("2, 3,1"), Ok([2, 3, 1]));
+        for wrong in ["", "2", "2,3", "0,1,1", "-1,1,1", "1,2,3,4", "1.5,1,1", "4294967296,1,1"] {
+            assert!(parse_counts(wrong).is_err(), "{wrong}");
         }
     }
 

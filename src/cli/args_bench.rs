@@ -1,6 +1,7 @@
 //! `trimray bench` as clap sees it.
 
 use super::args::PrecisionChoice;
+use super::args_bench_trim::BenchTrim;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -18,6 +19,7 @@ pub(super) enum BenchCommand {
     Work(BenchWork),
     Leaks(BenchLeaks),
     Stress(BenchStress),
+    Trim(BenchTrim),
 }
 
 /// Times of each stage from a file to a baked scene: the least of all repetitions.

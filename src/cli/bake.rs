@@ -25,6 +25,7 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         keep_f64: command.keep_f64,
         strict: command.import.strict,
         trim_method: command.trim_method,
+        copies: command.replicate,
     };
     let loaded = load(input, purpose, general)?;
     let scene = loaded.scene();

@@ -3,7 +3,7 @@
 use super::args::{General, PrecisionChoice};
 use super::args_bench::{Bench, BenchCommand, BenchStages};
 use super::bake::size_text;
-use super::{bench_accuracy, bench_leaks, bench_stress, bench_work};
+use super::{bench_accuracy, bench_leaks, bench_stress, bench_trim, bench_work};
 use crate::bench::{Stages, measure_stages};
 use crate::render::Ray;
 use crate::render::cpu::Precision;
@@ -18,6 +18,7 @@ pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
         BenchCommand::Work(command) => bench_work::run(command),
         BenchCommand::Leaks(command) => bench_leaks::run(command),
         BenchCommand::Stress(command) => bench_stress::run(command),
+        BenchCommand::Trim(command) => bench_trim::run(command, general),
     }
 }
 

@@ -4,11 +4,13 @@ use super::Failure;
 use super::args::General;
 use super::progress::Progress;
 use super::report;
-use crate::bake::{BakeOptions, bake};
+use crate::bake::{BakeOptions, bake, extent};
+use crate::brep::{Model, replicate};
 use crate::cache::CacheFile;
 use crate::import::import;
 use crate::scene::{Scene, SceneBuffers, Severity, TrimMethod, validate};
 use anyhow::Context;
+use glam::DVec3;
 use std::path::Path;
 use std::time::Instant;
 
@@ -36,6 +38,8 @@ pub(super) struct Purpose {
     pub(super) strict: bool,
     /// What trim queries of a model that is baked now search in.
     pub(super) trim_method: TrimMethod,
+    /// Copies along x, y and z of a model that is baked now.
+    pub(super) copies: Option<[u32; 3]>,
 }
 
 /// Whether the path names a baked scene.
@@ -69,14 +73,14 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
 
 fn import_and_bake(path: &Path, purpose: Purpose, general: &General) -> anyhow::Result<SceneBuffers> {
     let start = Instant::now();
-    let model = import(path)?;
-    let imported = Instant::now();
-    let progress = Progress::new(format!("Baking {}", file_name(path)), general);
     let options = BakeOptions {
         keep_f64: purpose.keep_f64,
         trim_method: purpose.trim_method,
         ..BakeOptions::default()
     };
+    let model = import_copies(path, purpose.copies, &options)?;
+    let imported = Instant::now();
+    let progress = Progress::new(format!("Baking {}", file_name(path)), general);
     let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
     drop(progress);
     buffers.metadata.file_name = file_name(path);
@@ -88,6 +92,19 @@ fn import_and_bake(path: &Path, purpose: Purpose, general: &General) -> anyhow::
         imported.elapsed().as_secs_f64()
     );
     Ok(buffers)
+}
+
+/// Imports a model, once or as copies side by side.
+pub(super) fn import_copies(
+    path: &Path,
+    copies: Option<[u32; 3]>,
+    options: &BakeOptions,
+) -> anyhow::Result<Model> {
+    let model = import(path)?;
+    let Some(copies) = copies else { return Ok(model) };
+    let bounds = extent(&model, options);
+    let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
+    replicate(model, copies, size).with_context(|| path.display().to_string())
 }
 
 fn file_name(path: &Path) -> String {

@@ -5,11 +5,16 @@
 
 mod args;
 mod args_bench;
+mod args_bench_trim;
 mod bake;
 mod bench;
 mod bench_accuracy;
 mod bench_leaks;
 mod bench_stress;
+mod bench_trim;
+mod bench_trim_degrees;
+mod bench_trim_json;
+mod bench_trim_table;
 mod bench_work;
 mod device;
 mod info;

@@ -1,11 +1,13 @@
 //! `trimray render`: pictures of models.
 
-use super::args::{General, Render};
+use super::Failure;
+use super::args::{AovChoice, DeviceChoice, General, Render};
 use super::device::Device;
 use super::load::{Purpose, load, nothing};
 use super::output::{Output, outputs};
 use super::progress::Progress;
 use super::view;
+use crate::render::cpu::render_trim_tests;
 use crate::render::{Background, RenderOptions};
 use std::io::Write;
 use std::path::Path;
@@ -13,7 +15,15 @@ use std::time::Instant;
 
 pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let outputs = outputs(&command.output, &command.inputs)?;
-    let mut device = Device::open(command.device, general)?;
+    let choice = match (command.aov, command.device) {
+        (Some(_), DeviceChoice::Gpu) => {
+            let reason = "--aov trim-tests is counted on the CPU: leave out --device gpu".to_owned();
+            return Err(Failure::Usage(reason).into());
+        }
+        (Some(_), _) => DeviceChoice::Cpu,
+        (None, choice) => choice,
+    };
+    let mut device = Device::open(choice, general)?;
     for (input, output) in command.inputs.iter().zip(&outputs) {
         render_one(input, output, command, general, &mut device)?;
     }
@@ -46,7 +56,11 @@ fn render_one(
     };
     let start = Instant::now();
     let progress = Progress::new(format!("Rendering {}", input.display()), general);
-    let film = device.render(&scene, &camera, &options, &|done, total| progress.tell(done, total))?;
+    let tell = |done, total| progress.tell(done, total);
+    let film = match command.aov {
+        Some(AovChoice::TrimTests) => render_trim_tests(&scene, &camera, &options, &tell),
+        None => device.render(&scene, &camera, &options, &tell)?,
+    };
     drop(progress);
     log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
     output.write(&film)?;

@@ -1,6 +1,6 @@
 //! Several B-splines as one.
 
-use super::bezier::Homogeneous3;
+use super::bezier::{Homogeneous, Homogeneous3};
 use super::bspline::BsplineCurve;
 use super::decompose::decompose_curve;
 use super::knots::KnotError;
@@ -46,7 +46,7 @@ pub fn join_spans(
 }
 
 /// Bézier points of a higher degree (The NURBS Book, equation 5.36).
-pub fn elevated(mut points: Vec<Homogeneous3>, degree: usize) -> Vec<Homogeneous3> {
+pub fn elevated<P: Homogeneous>(mut points: Vec<P>, degree: usize) -> Vec<P> {
     while points.len() <= degree {
         let n = points.len();
         let share = |i: usize| i as f64 / n as f64;

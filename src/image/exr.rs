@@ -1,7 +1,8 @@
 //! OpenEXR: the whole film in one part, linear light.
 //!
 //! Channels, named by layer as compositing tools expect: `R G B A` in half floats (premultiplied, as OpenEXR wants it), `depth.Z` in
-//! millimetres, `normal.X normal.Y normal.Z` in world space, `id.part` and `id.face` as u32 (1 + index, 0 where nothing is hit).
+//! millimetres, `normal.X normal.Y normal.Z` in world space, `id.part` and `id.face` as u32 (1 + index, 0 where nothing is hit), and
+//! `trim.tests` as u32 where the film has it.
 //! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
 
 use super::Film;
@@ -21,7 +22,7 @@ fn encode(film: &Film) -> Result<Vec<u8>, ImageError> {
     let half =
         |channel: usize| FlatSamples::F16(film.color.iter().map(|c| f16::from_f32(c[channel])).collect());
     let normal = |axis: usize| FlatSamples::F32(film.normal.iter().map(|n| n[axis]).collect());
-    let channels = [
+    let mut channels = vec![
         ("R", half(0)),
         ("G", half(1)),
         ("B", half(2)),
@@ -33,6 +34,9 @@ fn encode(film: &Film) -> Result<Vec<u8>, ImageError> {
         ("id.part", FlatSamples::U32(film.part.clone())),
         ("id.face", FlatSamples::U32(film.face.clone())),
     ];
+    if !film.trim_tests.is_empty() {
+        channels.push(("trim.tests", FlatSamples::U32(film.trim_tests.clone())));
+    }
     let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
     let attributes = LayerAttributes { software_name: Some("trimray".into()), ..LayerAttributes::default() };
     let encoding = Encoding {
@@ -56,6 +60,7 @@ mod tests {
 
     fn film() -> Film {
         let mut film = Film::new(37, 21);
+        film.trim_tests = (0..37 * 21).collect();
         for i in 0..film.color.len() {
             let x = i as f32 / 777.0;
             film.color[i] = [x, 1.0 - x, 4.0 * x, 1.0];
@@ -87,7 +92,7 @@ mod tests {
         assert_eq!((layer.size.width(), layer.size.height()), (film.width, film.height));
         assert_eq!(layer.encoding.compression, Compression::ZIP16);
         let channels = &layer.channel_data.list;
-        assert_eq!(channels.len(), 10);
+        assert_eq!(channels.len(), 11);
         for channel in channels {
             let expected = match channel.name.to_string().as_str() {
                 "R" => half(&film, 0),
@@ -100,6 +105,7 @@ mod tests {
                 "normal.Z" => FlatSamples::F32(film.normal.iter().map(|n| n[2]).collect()),
                 "id.part" => FlatSamples::U32(film.part.clone()),
                 "id.face" => FlatSamples::U32(film.face.clone()),
+                "trim.tests" => FlatSamples::U32(film.trim_tests.clone()),
                 other => panic!("unexpected channel {other}"),
             };
             assert!(channel.sample_data == expected, "{}", channel.name);

@@ -19,6 +19,8 @@ pub struct Film {
     pub part: Vec<u32>,
     /// 1 + face index; 0 where nothing is hit.
     pub face: Vec<u32>,
+    /// Exact odd-even tests that the trims cost; empty unless asked for.
+    pub trim_tests: Vec<u32>,
 }
 
 impl Film {
@@ -33,6 +35,7 @@ impl Film {
             normal: vec![[0.0; 3]; pixels],
             part: vec![0; pixels],
             face: vec![0; pixels],
+            trim_tests: Vec::new(),
         }
     }
 

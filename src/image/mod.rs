@@ -15,5 +15,5 @@ pub use compare::{Difference, SizesDiffer, compare};
 pub use exr::write_exr;
 pub use files::ImageError;
 pub use film::Film;
-pub use picture::Picture;
+pub use picture::{Picture, decode_srgb};
 pub use png::{decode_png, encode_png, read_png, write_png};

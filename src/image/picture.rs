@@ -52,7 +52,7 @@ fn encode_srgb(linear: f64) -> u8 {
 }
 
 /// Linear light of an sRGB value, both in 0..=1.
-pub(super) fn decode_srgb(encoded: f64) -> f64 {
+pub fn decode_srgb(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 

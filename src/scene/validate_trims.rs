@@ -24,7 +24,7 @@ pub(super) fn trims(scene: &Scene<'_>) -> Check {
     Ok(())
 }
 
-/// Checks the words of the default method.
+/// Checks the cells and trees of the default method.
 fn packed(scene: &Scene<'_>) -> Check {
     let mut visited = vec![false; scene.trim_nodes.len()];
     for (index, face) in scene.faces.iter().enumerate() {

@@ -398,3 +398,70 @@ fn a_reader_that_leaves_is_no_error() {
     assert!(output.status.success());
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
+
+#[test]
+fn copies_have_faces_of_their_own() {
+    let bench = Bench::new();
+    bench.run("bake cube.step -o cubes.trimray --replicate 3,2,2").expect(0);
+    let outcome = bench.run("info cubes.trimray --json").expect(0);
+    let info: Value = serde_json::from_str(outcome.text()).expect("JSON");
+    assert_eq!((&info["faces"]["declared"], &info["faces"]["imported"]), (&72.into(), &72.into()));
+    assert_eq!((&info["faces"]["occurrences"], &info["solids"]), (&72.into(), &12.into()));
+    assert_eq!(info["parts"].as_array().expect("parts").len(), 12);
+    let size = [0, 1, 2].map(|k| {
+        let corner = |end: usize| info["bbox"][end][k].as_f64().expect("a number");
+        corner(1) - corner(0)
+    });
+    // Three cubes of 10 mm and two margins of 1 mm; two cubes and a margin.
+    assert!((size[0] - 32.0).abs() < 1e-3 && (size[1] - 21.0).abs() < 1e-3, "{size:?}");
+    // Through the three cubes of a row, with 1 mm between them.
+    let answers = bench.probe("cubes.trimray", "-20 5 5 1 0 0\n-20 16 16 1 0 0\n-20 10.5 5 1 0 0\n");
+    let distances = |answer: &Value| -> Vec<f64> {
+        let hits = answer["hits"].as_array().expect("hits");
+        hits.iter().map(|hit| hit["t"].as_f64().expect("a number").round()).collect()
+    };
+    assert_eq!(distances(&answers[0]), [20.0, 30.0, 31.0, 41.0, 42.0, 52.0]);
+    assert_eq!(distances(&answers[1]), distances(&answers[0]));
+    assert_eq!(distances(&answers[2]), [0.0; 0]);
+    let refused = bench.run("bake cube.step -o cubes.trimray --replicate 2000,1000,1").expect(1);
+    assert!(refused.stderr.contains("too many"), "{}", refused.stderr);
+    bench.run("bake cube.step -o cubes.trimray --replicate 2,2").expect(2);
+}
+
+#[test]
+fn pictures_of_trim_tests_are_black_where_nothing_is_tested() {
+    let bench = Bench::new();
+    // A cube's faces are their windows: no trims.
+    bench.run("render cube.step -o heat.png --resolution 40x30 --aov trim-tests").expect(0);
+    let picture = trimray::image::read_png(&bench.path("heat.png")).expect("a picture");
+    assert!(picture.pixels.iter().all(|pixel| *pixel == [0, 0, 0, 255]));
+    bench.run("render cube.step -o heat.exr --resolution 40x30 --aov trim-tests").expect(0);
+    let refused = bench.run("render cube.step -o no.png --aov trim-tests --device gpu").expect(2);
+    assert!(refused.stderr.contains("CPU"), "{}", refused.stderr);
+}
+
+#[test]
+fn the_trimming_study_has_a_row_for_each_method() {
+    let bench = Bench::new();
+    let knob = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/knob/model.step");
+    fs::copy(knob, bench.path("knob.step")).expect("copied");
+    let few = "--rays 200 --resolution 16,9 --repeat 1";
+    let outcome = bench.run(&format!("bench trim knob.step {few} --csv rows.csv")).expect(0);
+    for label in ["absolute", "1-LC ", "3-HS ", "13-KCS[SF19] ", "29-KCS+RBEM ", "30-PACKED "] {
+        assert_eq!(outcome.text().lines().filter(|line| line.starts_with(label)).count(), 1, "{label}");
+    }
+    assert!(!outcome.text().contains("otherwise"), "{}", outcome.text());
+    let rows = fs::read_to_string(bench.path("rows.csv")).expect("rows");
+    assert_eq!(rows.lines().count(), 1 + 2 * 30);
+    let outcome = bench.run(&format!("bench trim knob.step {few} --methods 1,packed --json")).expect(0);
+    let line: Value = serde_json::from_str(outcome.text()).expect("JSON");
+    assert_eq!(line["methods"].as_array().expect("methods").len(), 2);
+    assert!(line["methods"][0]["random"]["queries"].as_u64().expect("a count") > 0);
+    let outcome = bench.run("bench trim knob.step --check 2000").expect(0);
+    assert!(outcome.text().contains("30 methods, 0 wrong answers"), "{}", outcome.text());
+    let degrees = format!("bench trim knob.step {few} --degrees 2,5 --methods 3,packed --plot plot.svg");
+    let outcome = bench.run(&degrees).expect(0);
+    assert!(outcome.text().contains("30-PACKED, lines kept"), "{}", outcome.text());
+    assert!(fs::read_to_string(bench.path("plot.svg")).expect("a plot").contains("<polyline"));
+    bench.run("bench trim knob.step --plot plot.svg").expect(2);
+}

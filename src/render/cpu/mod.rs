@@ -15,6 +15,7 @@ pub(super) mod camera;
 pub(super) mod cover;
 pub(super) mod footprint;
 pub(super) mod frames;
+mod heat;
 pub(super) mod hit;
 mod isolate;
 pub(super) mod light;
@@ -22,6 +23,7 @@ mod net;
 mod parity;
 mod planes;
 pub(super) mod probe;
+mod queries;
 pub(super) mod ray_space;
 mod render;
 pub(super) mod shade;
@@ -40,10 +42,13 @@ mod test_scenes;
 #[cfg(test)]
 mod tests;
 
+pub use self::camera::pixel_ray;
+pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
+pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
 pub use self::render::render;
-pub use self::trim::trim_inside;
-pub use self::trim_study::{TrimCounts, trim_counted};
+pub use self::trim::{trim_counted, trim_inside};
+pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;
 
 /// Which number type the kernels compute in.

@@ -4,9 +4,10 @@
 //! between its ends decides points beside it, and its band nearly all others; what is left needs the curve (`trim_curve`).
 
 use super::trim_curve::is_right_of_curve;
-use super::trim_study::ask_study;
+use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
+use crate::scene::trim_study::BEFORE_ONE;
 use crate::scene::trim_word::{FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack};
 use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
@@ -23,139 +24,156 @@ pub struct TrimPoint {
 }
 
 /// Whether `uv`, normalised and within the window, is inside the trims at `root`.
+#[inline]
 pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
-    root == TRIM_INSIDE || walk::<T, false>(scene, root, uv, [T::ZERO; 2]).inside
+    trim::<T, false, false>(scene, root, uv, [T::ZERO; 2], &mut TrimCounts::default()).inside
 }
 
-/// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve.
+/// [`trim_inside`], counting.
+pub fn trim_counted<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+    counts.queries += 1;
+    trim::<T, false, true>(scene, root, uv, [T::ZERO; 2], counts).inside
+}
+
+/// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve; the methods of the study do not know what is near.
 pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
+    trim::<T, true, false>(scene, root, uv, extent, &mut TrimCounts::default())
+}
+
+/// The query by the scene's method; nearness only where `NEAR`, counts only where `COUNT`.
+#[inline(always)]
+fn trim<T: Real, const NEAR: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    counts: &mut TrimCounts,
+) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint { inside: true, is_near: false };
     }
-    walk::<T, true>(scene, root, uv, extent)
-}
-
-/// The walk to a cell and the parity of its segments; nearness only where `NEAR`.
-#[inline(always)]
-fn walk<T: Real, const NEAR: bool>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
     if scene.header.trim_method != TrimMethod::PACKED.number() {
-        return TrimPoint { inside: ask_study(scene, root, uv), is_near: false };
+        let inside = TrimMethod::from_number(scene.header.trim_method)
+            .is_some_and(|method| study_inside::<T, COUNT>(scene, method, root, uv, counts));
+        return TrimPoint { inside, is_near: false };
     }
+    // Pieces along the window's far borders are in no cell: a point on them is decided just before.
+    let uv = [uv[0].min(T::from_f32(BEFORE_ONE)), uv[1].min(T::from_f32(BEFORE_ONE))];
+    let query = Query::<T, NEAR, COUNT> { scene, root: root as usize, uv, extent };
     let mut is_near = false;
-    let word = cell::<T, NEAR>(scene.trim_nodes, root as usize, uv, extent, &mut is_near);
-    let segments = Segments { scene, root: root as usize };
-    let inside = match word {
-        TrimWord::Uniform { inside } => inside,
-        TrimWord::One { corner, toggles, segment } => {
-            corner ^ segments.flips::<T, NEAR>(toggles, segment, uv, extent, &mut is_near)
-        }
-        TrimWord::List { offset } => {
-            let at = root as usize + offset as usize;
-            let head = scene.trim_nodes[at];
-            let count = (head & !(1 << 31)) as usize;
-            scene.trim_nodes[at + 1..at + 1 + count].iter().fold(head >> 31 == 1, |state, entry| {
-                state ^ segments.flips::<T, NEAR>(entry >> 30, entry & MAX_SEGMENT, uv, extent, &mut is_near)
-            })
-        }
-        TrimWord::Inner { .. } | TrimWord::Tree { .. } => {
-            is_near = true;
-            false
-        }
-    };
+    let inside = query.inside(&mut is_near, counts);
     TrimPoint { inside, is_near }
 }
 
-/// The cell that `uv` lies in.
-#[inline(always)]
-fn cell<T: Real, const NEAR: bool>(
-    words: &[u32],
+/// A point asked of a face's trims.
+struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
+    scene: &'a Scene<'a>,
     root: usize,
     uv: [T; 2],
     extent: [T; 2],
-    is_near: &mut bool,
-) -> TrimWord {
-    let levels = grid_levels(words[root]);
-    let mut index = [0; 2];
-    for axis in 0..2 {
-        let cells = 1_u32 << levels[axis];
-        let scale = T::from_f32(cells as f32);
-        let scaled = uv[axis] * scale;
-        index[axis] = scaled.to_u32().min(cells - 1);
-        if NEAR {
-            let within = scaled - T::from_f32(index[axis] as f32);
-            let reach = extent[axis] * scale;
-            *is_near |= within <= reach || T::ONE - within <= reach;
-        }
-    }
-    let mut at = root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize;
-    let mut word = unpack(words[at]);
-    let TrimWord::Tree { offset } = word else { return word };
-    at = root + offset as usize;
-    word = unpack(words[at]);
-    for _ in 0..MAX_LEVELS {
-        let TrimWord::Inner { axis, plane, right } = word else { break };
-        let axis = axis as usize;
-        let beyond = uv[axis] - T::from_f32(position(plane));
-        if NEAR {
-            *is_near |= beyond.abs() <= extent[axis];
-        }
-        let is_right = !(beyond < T::ZERO);
-        at += if right == FAR {
-            if is_right { words[at + 1] as usize } else { 2 }
-        } else if is_right {
-            right as usize
-        } else {
-            1
-        };
-        word = unpack(words[at]);
-    }
-    word
 }
 
-/// The segments of the face whose trims are at `root`.
-struct Segments<'a> {
-    scene: &'a Scene<'a>,
-    root: usize,
-}
-
-impl Segments<'_> {
-    /// Whether a segment of a cell flips the state of the cell's corner; sets `is_near` where it passes the box `uv ± extent`.
+impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     #[inline(always)]
-    fn flips<T: Real, const NEAR: bool>(
-        &self,
-        toggles: u32,
-        segment: u32,
-        uv: [T; 2],
-        extent: [T; 2],
-        is_near: &mut bool,
-    ) -> bool {
+    fn inside(&self, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
+        match self.cell(is_near, counts) {
+            TrimWord::Uniform { inside } => inside,
+            TrimWord::One { corner, toggles, segment } => {
+                corner ^ self.flips(toggles, segment, is_near, counts)
+            }
+            TrimWord::List { offset } => {
+                let at = self.root + offset as usize;
+                let head = self.scene.trim_nodes[at];
+                let entries = &self.scene.trim_nodes[at + 1..at + 1 + (head & !(1 << 31)) as usize];
+                entries.iter().fold(head >> 31 == 1, |state, entry| {
+                    state ^ self.flips(entry >> 30, entry & MAX_SEGMENT, is_near, counts)
+                })
+            }
+            TrimWord::Inner { .. } | TrimWord::Tree { .. } => {
+                *is_near = true;
+                false
+            }
+        }
+    }
+
+    /// The cell that the point lies in.
+    #[inline(always)]
+    fn cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> TrimWord {
+        let words = self.scene.trim_nodes;
+        let levels = grid_levels(words[self.root]);
+        let mut index = [0; 2];
+        for axis in 0..2 {
+            let cells = 1_u32 << levels[axis];
+            let scale = T::from_f32(cells as f32);
+            let scaled = self.uv[axis] * scale;
+            index[axis] = scaled.to_u32().min(cells - 1);
+            if NEAR {
+                let within = scaled - T::from_f32(index[axis] as f32);
+                let reach = self.extent[axis] * scale;
+                *is_near |= within <= reach || T::ONE - within <= reach;
+            }
+        }
+        if COUNT {
+            counts.steps += 1;
+        }
+        let mut word =
+            unpack(words[self.root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize]);
+        let TrimWord::Tree { offset } = word else { return word };
+        let mut at = self.root + offset as usize;
+        word = unpack(words[at]);
+        for _ in 0..MAX_LEVELS {
+            if COUNT {
+                counts.steps += 1;
+            }
+            let TrimWord::Inner { axis, plane, right } = word else { break };
+            let axis = axis as usize;
+            let beyond = self.uv[axis] - T::from_f32(position(plane));
+            if NEAR {
+                *is_near |= beyond.abs() <= self.extent[axis];
+            }
+            let is_right = !(beyond < T::ZERO);
+            at += if right == FAR {
+                if is_right { words[at + 1] as usize } else { 2 }
+            } else if is_right {
+                right as usize
+            } else {
+                1
+            };
+            word = unpack(words[at]);
+        }
+        word
+    }
+
+    /// Whether a segment of a cell flips the state of the cell's corner; sets `is_near` where it passes the box around the point.
+    #[inline(always)]
+    fn flips(&self, toggles: u32, segment: u32, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
         let first = self.scene.trim_nodes[self.root + 1];
         let segment = &self.scene.trim_segments[(first + segment) as usize];
-        let passed = |bit: u32, end: [f32; 2]| (toggles & bit != 0) & (uv[1] >= T::from_f32(end[1]));
-        let toggled = passed(1, segment.low) ^ passed(2, segment.high);
-        let crosses =
-            if NEAR { self.crosses_near(segment, uv, extent, is_near) } else { self.crosses(segment, uv) };
-        crosses != toggled
+        let v = self.uv[1];
+        let at_height = (v >= T::from_f32(segment.low[1])) & (v < T::from_f32(segment.high[1]));
+        let crosses = if NEAR {
+            self.crosses_near(segment, at_height, is_near, counts)
+        } else {
+            at_height && self.is_right(segment, self.uv, counts)
+        };
+        if toggles == 0 {
+            return crosses;
+        }
+        let passed = |bit: u32, end: [f32; 2]| (toggles & bit != 0) & (v >= T::from_f32(end[1]));
+        crosses ^ passed(1, segment.low) ^ passed(2, segment.high)
     }
 
-    /// Whether the segment passes left of the point, at the point's v.
-    #[inline(always)]
-    fn crosses<T: Real>(&self, segment: &TrimSegment, uv: [T; 2]) -> bool {
-        let at_height = uv[1] >= T::from_f32(segment.low[1]) && uv[1] < T::from_f32(segment.high[1]);
-        at_height && self.is_right(segment, uv)
-    }
-
-    /// [`Self::crosses`]; a monotone segment misses the box `uv ± extent` where the corner that it would meet first from its left, or from its
-    /// right, is on the other side of it.
-    fn crosses_near<T: Real>(
+    /// Whether the segment passes left of the point at the point's height; a monotone segment misses the box `uv ± extent` where the corner that it
+    /// would meet first from its left, or from its right, is on the other side of it.
+    fn crosses_near(
         &self,
         segment: &TrimSegment,
-        uv: [T; 2],
-        extent: [T; 2],
+        at_height: bool,
         is_near: &mut bool,
+        counts: &mut TrimCounts,
     ) -> bool {
         let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
-        let at_height = uv[1] >= low[1] && uv[1] < high[1];
+        let (uv, extent) = (self.uv, self.extent);
         if uv[1] + extent[1] < low[1] || uv[1] - extent[1] > high[1] {
             return false;
         }
@@ -167,20 +185,20 @@ impl Segments<'_> {
         }
         let up = if high[0] >= low[0] { extent[1] } else { -extent[1] };
         if low[1] < high[1] {
-            if self.is_right(segment, [uv[0] - extent[0], uv[1] + up]) {
+            if self.is_right(segment, [uv[0] - extent[0], uv[1] + up], counts) {
                 return at_height;
             }
-            if !self.is_right(segment, [uv[0] + extent[0], uv[1] - up]) {
+            if !self.is_right(segment, [uv[0] + extent[0], uv[1] - up], counts) {
                 return false;
             }
         }
         *is_near = true;
-        at_height && self.is_right(segment, uv)
+        at_height && self.is_right(segment, uv, counts)
     }
 
     /// Whether the segment, which is not level, passes left of the point at the point's v, or at its own end that is nearest to that.
     #[inline(always)]
-    fn is_right<T: Real>(&self, segment: &TrimSegment, uv: [T; 2]) -> bool {
+    fn is_right(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
         let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
         if uv[0] >= low[0].max(high[0]) {
             return true;
@@ -201,8 +219,11 @@ impl Segments<'_> {
         if above.abs() > T::from_f32(band.half_width) || segment.degree() == 0 {
             return (above > T::ZERO) == (band.by_v == (along_u > T::ZERO));
         }
+        if COUNT {
+            counts.exact_tests += 1;
+        }
         let first_point = self.scene.trim_nodes[self.root + 2];
-        is_right_of_curve(self.scene, segment, first_point, [uv[0], v])
+        is_right_of_curve(self.scene, segment, first_point, [uv[0], v], &mut counts.evaluations)
     }
 }
 

@@ -11,11 +11,13 @@ const MAX_STEPS: usize = 104;
 ///
 /// Each evaluated point narrows the box in which the curve passes the height, and the search ends as soon as the point is outside of it
 /// (Schollmeyer and Fröhlich 2009). They bisect; here bisections alternate with secants, as the points that come this far lie near the curve.
+/// `evaluations` counts them.
 pub fn is_right_of_curve<T: Real>(
     scene: &Scene<'_>,
     segment: &TrimSegment,
     first_point: u32,
     uv: [T; 2],
+    evaluations: &mut u64,
 ) -> bool {
     let degree = segment.degree();
     let first = first_point + (segment.curve & TrimSegment::POINT_MASK);
@@ -38,6 +40,7 @@ pub fn is_right_of_curve<T: Real>(
         let is_between = (secant > t_low && secant < t_high) || (secant < t_low && secant > t_high);
         let t = if step % 3 != 2 && is_between { secant } else { middle };
         let at = curve_point(scene, first, degree, t);
+        *evaluations += 1;
         if at[1] <= uv[1] {
             (t_low, v_low) = (t, at[1]);
             if at[1] >= low[1] {

@@ -1,0 +1,29 @@
+//! The same queries on a GPU, by the kernels' own trim functions.
+
+use super::measure::{DeviceMeasure, QuerySet, rate};
+use crate::render::gpu::{Gpu, TrimQuery};
+use crate::scene::Scene;
+
+/// How fast the GPU answers `set`, transfers of queries and answers included, and how often otherwise than `expected`.
+///
+/// # Errors
+///
+/// The device's own.
+pub fn measure_on_gpu(
+    gpu: &Gpu,
+    scene: &Scene<'_>,
+    set: &QuerySet,
+    expected: &[bool],
+    runs: usize,
+) -> Result<DeviceMeasure, String> {
+    let uploaded = gpu.upload(scene).map_err(|error| error.to_string())?;
+    let root = |face: u32| scene.faces[face as usize].trim_root;
+    let queries: Vec<TrimQuery> = (set.queries.iter())
+        .map(|query| TrimQuery { uv: query.uv, root: root(query.face), reserved: 0 })
+        .collect();
+    let answers = gpu.trim_inside(&uploaded, &queries).map_err(|error| error.to_string())?;
+    let different = answers.iter().zip(expected).filter(|(answer, expected)| answer != expected).count();
+    // What failed now would have failed before.
+    let ask = || gpu.trim_inside(&uploaded, &queries).map_or(0, |answers| answers.len());
+    Ok(DeviceMeasure { trims: rate(queries.len(), runs, ask), different: different as u64 })
+}
