@@ -329,7 +329,7 @@ impl Builder<'_> {
         for (at, node) in self.nodes.iter().enumerate() {
             match node {
                 Node::Inner { axis, plane, right } => {
-                    words.extend([plane.to_bits(), ((*axis as u32) << 30) | 2 * (right - at) as u32]);
+                    words.extend([plane.to_bits(), ((*axis as u32) << 30) | (2 * (right - at) as u32)]);
                 }
                 Node::Leaf { parity, references } => {
                     let first = match references[..] {
