@@ -1,5 +1,7 @@
 // Trim queries of the study's methods; the twin of render/cpu/trim_study.rs. One structure and one kind of bounds is all of a kernel.
 
+const MAX_BISECTIONS: u32 = 52u;
+
 fn number_at(index: u32) -> f32 {
     return bitcast<f32>(trim_nodes[index]);
 }

@@ -194,11 +194,11 @@ fn bake_parts(
     metadata::report_unplaced(&mut findings, model, &parts);
     scene.materials = materials.into_materials();
     let regions = if keep_regions { TrimRegions::new(regions, &scene) } else { TrimRegions::default() };
-    if options.trim_method != TrimMethod::PACKED {
-        if let Err(reason) = retrim(&mut scene, &regions, options.trim_method) {
-            let reason = format!("{reason}; the default trim method serves instead");
-            findings.push(Diagnostic::new(Severity::Warning, 0, "ADVANCED_FACE", reason));
-        }
+    if options.trim_method != TrimMethod::PACKED
+        && let Err(reason) = retrim(&mut scene, &regions, options.trim_method)
+    {
+        let reason = format!("{reason}; the default trim method serves instead");
+        findings.push(Diagnostic::new(Severity::Warning, 0, "ADVANCED_FACE", reason));
     }
     scene.metadata.findings = metadata::records(&findings);
     (scene, regions)

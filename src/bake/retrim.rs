@@ -31,7 +31,7 @@ impl TrimRegions {
 /// Replaces the trim arrays and all that points into them by those of `method`.
 ///
 /// With the default method a leaf that lies wholly inside asks nothing, as baked. With those of the study every leaf of a trimmed face asks, as in
-/// the papers. `regions` are those of the same bake.
+/// the papers; so do those of an untrimmed one that reaches beyond its window. `regions` are those of the same bake.
 ///
 /// # Errors
 ///
@@ -68,7 +68,8 @@ fn retrim_for_study(
     let structures: Vec<Option<Structure>> = regions
         .regions
         .par_iter()
-        .map(|region| region.is_bounded.then(|| study::build(region, method)).transpose())
+        .zip(&regions.asks)
+        .map(|(region, &asks)| (asks || region.is_bounded).then(|| study::build(region, method)).transpose())
         .collect::<Result<_, _>>()?;
     let words: usize = structures.iter().flatten().map(|structure| structure.words.len()).sum();
     if words >= TRIM_INSIDE as usize / 4 {

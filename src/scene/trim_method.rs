@@ -57,7 +57,7 @@ pub enum TrimStructure {
     KdCurvesets = 3,
     /// The same, its chains cut by the full cost function first.
     KdCurvesetsSf19 = 4,
-    /// A kd-tree of clipped curves in [`trim_node`](super::trim_node) words.
+    /// A grid of cells and kd-trees, in [`trim_word`](super::trim_word) words.
     Packed = 5,
 }
 

@@ -107,9 +107,10 @@ impl Words<'_> {
             self.ascending(place + 1, count + 1)?;
         }
         let first = place + 1 + count + 1;
-        // A slab of vertical lines at one place has an end and no interval; one of no curves has neither.
-        let mut list = first.checked_add(count)?;
-        for interval in first..list {
+        // A slab of no curves, or of vertical lines at one place, has an end and no interval.
+        let end = first.checked_add(count)?;
+        let mut list = end;
+        for interval in first..end {
             let word = self.get(interval)?;
             let at = (word & (PLACES - 1)) as usize;
             let mut number = word >> 24 & MANY_CURVES;

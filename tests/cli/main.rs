@@ -286,6 +286,29 @@ fn a_baked_scene_answers_as_the_model_does() {
     }
 }
 
+/// Methods of every structure, by number and by name.
+#[test]
+fn trim_methods_give_the_same_hits() {
+    let bench = Bench::new();
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/flange/model.step");
+    fs::copy(fixture, bench.path("flange.step")).expect("copied");
+    let rays: String = (0..400)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 20 - 10) * 7.31 + 0.137, f64::from(i / 20 - 10) * 7.17 + 0.071);
+            format!("{x} {y} 1000 0.013 0.007 -1\n")
+        })
+        .collect();
+    let expected = bench.probe("flange.step --precision f32", &rays);
+    let hits = |answer: &Value| answer["hits"].as_array().expect("hits").len();
+    assert!(expected.iter().map(hits).sum::<usize>() > 20);
+    for method in ["1", "hs+b", "12", "kcs-sf19", "KCS+RBEM"] {
+        bench.run(&format!("bake flange.step -o {method}.trimray --trim-method {method}")).expect(0);
+        let answers = bench.probe(&format!("{method}.trimray --precision f32"), &rays);
+        assert_eq!(answers, expected, "{method}");
+    }
+    bench.run("bake flange.step --trim-method quadtree").expect(2);
+}
+
 #[test]
 fn a_scene_without_f64_says_so() {
     let bench = Bench::new();

@@ -186,10 +186,10 @@ impl Builder<'_> {
         if ranges.is_empty() || self.copies_left == 0 {
             return None;
         }
-        if phase == Phase::Heuristic {
-            if let Some((axis, plane)) = self.heuristic(cell, entries, &ranges) {
-                return Some((phase, axis, plane));
-            }
+        if phase == Phase::Heuristic
+            && let Some((axis, plane)) = self.heuristic(cell, entries, &ranges)
+        {
+            return Some((phase, axis, plane));
         }
         if phase <= Phase::Refinement && self.method.has_refinement() {
             let axis = cell.longer_axis();
@@ -329,7 +329,7 @@ impl Builder<'_> {
         for (at, node) in self.nodes.iter().enumerate() {
             match node {
                 Node::Inner { axis, plane, right } => {
-                    words.extend([plane.to_bits(), (*axis as u32) << 30 | 2 * (right - at) as u32]);
+                    words.extend([plane.to_bits(), ((*axis as u32) << 30) | (2 * (right - at) as u32)]);
                 }
                 Node::Leaf { parity, references } => {
                     let first = match references[..] {

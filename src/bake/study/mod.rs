@@ -14,7 +14,10 @@ mod slabs;
 mod tests;
 
 use super::region::Region;
+use crate::geometry::{Bezier, ParameterBox};
 use crate::scene::{TrimMethod, TrimStructure};
+use crate::trimming::FaceTrim;
+use glam::DVec2;
 
 /// The words and control points of one face.
 #[derive(Debug, Default)]
@@ -27,8 +30,16 @@ pub(super) struct Structure {
     pub max_degree: u32,
 }
 
-/// Builds the structure of `method`, which is not the default one.
+/// Builds the structure of `method`, which is not the default one. The window's border bounds a region without curves.
 pub(super) fn build(region: &Region, method: TrimMethod) -> Result<Structure, String> {
+    if !region.is_bounded {
+        let window = ParameterBox { min: DVec2::ZERO, max: DVec2::ONE };
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+        let side =
+            |i: usize| Bezier { points: vec![corners[i].extend(1.0), corners[(i + 1) % 4].extend(1.0)] };
+        let curves = (0..4).map(side).collect();
+        return build(&Region::new(&FaceTrim { curves, ..FaceTrim::whole(window) })?, method);
+    }
     match method.structure() {
         TrimStructure::List => Ok(list::build(region, method)),
         TrimStructure::Slabs => slabs::build(region, method),

@@ -75,6 +75,10 @@ impl Plan {
         let mut ends: Vec<f32> = pieces.iter().flat_map(|piece| piece.range(0)).collect();
         ends.sort_unstable_by(f32::total_cmp);
         ends.dedup();
+        if ends.is_empty() {
+            // A slab between loops: as one of vertical lines at one place, it has an end and no interval.
+            ends.push(0.0);
+        }
         let intervals = ends
             .windows(2)
             .map(|interval| {

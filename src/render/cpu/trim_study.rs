@@ -196,7 +196,7 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
         if COUNT {
             self.counts.exact_tests += 1;
         }
-        self.bisect(place)
+        self.bisect_element(place)
     }
 
     /// Whether the element or curveset at `place` passes left of the point, as far as its box and its slab tell.
@@ -224,7 +224,7 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
         (distance < -(left * step)).then_some(false)
     }
 
-    fn bisect(&mut self, place: usize) -> bool {
+    fn bisect_element(&mut self, place: usize) -> bool {
         let [u, v] = self.uv;
         let mut low = [self.number_at(place), self.number_at(place + 1)];
         let mut high = [self.number_at(place + 2), self.number_at(place + 3)];
