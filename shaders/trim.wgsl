@@ -1,11 +1,6 @@
 // Whether a point of a face's parameter rectangle belongs to the face; the twin of render/cpu/trim.rs.
 
-const MAX_BISECTIONS: u32 = 52u;
-const MAX_LEVELS: u32 = 64u;
-
-fn split_position(low: f32, size: f32, plane: u32) -> f32 {
-    return low + f32(plane) * (1.0 / f32(PLANE_STEPS)) * size;
-}
+const MAX_LEVELS: u32 = 32u;
 
 struct TrimPoint {
     inside: bool,
@@ -20,68 +15,82 @@ fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
         return TrimPoint(study_inside(root, at), false);
     }
     let uv = min(at, vec2<f32>(BEFORE_ONE));
-    var node = root;
-    var low = vec2<f32>(0.0);
-    var size = vec2<f32>(1.0);
     var is_near = false;
-    for (var level = 0u; level < MAX_LEVELS; level++) {
-        let word = trim_nodes[node];
-        if (word & LEAF_BIT) == 0u {
-            let axis = (word >> 30u) & 1u;
-            let right = word & FAR;
-            let is_far = right == FAR;
-            let split = split_position(low[axis], size[axis], (word >> 16u) & 0x3fffu);
-            let beyond = uv[axis] - split;
-            is_near |= abs(beyond) <= extent[axis];
-            if beyond < 0.0 {
-                size[axis] = split - low[axis];
-                node += select(1u, 2u, is_far);
-            } else {
-                size[axis] = size[axis] - (split - low[axis]);
-                low[axis] = split;
-                if is_far {
-                    node += trim_nodes[node + 1u];
-                } else {
-                    node += right;
-                }
-            }
-        } else {
-            let first = trim_nodes[root - 1u] + (word & 0xffffffu);
-            var count = (word >> 24u) & 63u;
-            if count == MANY {
-                count = trim_nodes[node + 1u];
-            }
-            let inside = leaf_parity((word & 0x40000000u) != 0u, first, count, uv, extent, &is_near);
-            return TrimPoint(inside, is_near);
+    let word = trim_cell(root, uv, extent, &is_near);
+    let kind = word >> 29u;
+    var inside = (word & 0x10000000u) != 0u;
+    if kind == 5u {
+        inside = inside != flips(root, (word >> 26u) & 3u, word & MAX_SEGMENT, uv, extent, &is_near);
+    } else if kind == 6u {
+        let head_at = root + (word & MAX_OFFSET);
+        let head = trim_nodes[head_at];
+        inside = (head >> 31u) == 1u;
+        let end = head_at + (head & 0x7fffffffu);
+        for (var index = head_at + 1u; index <= end; index++) {
+            let entry = trim_nodes[index];
+            inside = inside != flips(root, entry >> 30u, entry & MAX_SEGMENT, uv, extent, &is_near);
         }
+    } else if kind != 4u {
+        return TrimPoint(false, true);
     }
-    return TrimPoint(false, true);
+    return TrimPoint(inside, is_near);
 }
 
-fn leaf_parity(
-    corner: bool,
-    first: u32,
-    count: u32,
+fn trim_cell(root: u32, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<function, bool>) -> u32 {
+    let grid = trim_nodes[root];
+    let levels = vec2<u32>(grid & 15u, (grid >> 4u) & 15u);
+    let cells = vec2<u32>(1u) << levels;
+    let scale = vec2<f32>(cells);
+    let scaled = uv * scale;
+    let index = min(vec2<u32>(max(scaled, vec2<f32>(0.0))), cells - 1u);
+    let within = scaled - vec2<f32>(index);
+    let reach = extent * scale;
+    *is_near |= any(within <= reach) || any(1.0 - within <= reach);
+    var word = trim_nodes[root + HEADER_WORDS + ((index.y << levels.x) | index.x)];
+    if (word >> 29u) != 7u {
+        return word;
+    }
+    var at = root + (word & MAX_OFFSET);
+    word = trim_nodes[at];
+    for (var level = 0u; level < MAX_LEVELS && (word >> 31u) == 0u; level++) {
+        let axis = (word >> 30u) & 1u;
+        let right = word & FAR;
+        let beyond = uv[axis] - f32((word >> 16u) & 0x3fffu) * (1.0 / f32(PLANE_STEPS));
+        *is_near |= abs(beyond) <= extent[axis];
+        if beyond < 0.0 {
+            at += select(1u, 2u, right == FAR);
+        } else if right == FAR {
+            at += trim_nodes[at + 1u];
+        } else {
+            at += right;
+        }
+        word = trim_nodes[at];
+    }
+    return word;
+}
+
+fn flips(
+    root: u32,
+    toggles: u32,
+    segment_of_face: u32,
     uv: vec2<f32>,
     extent: vec2<f32>,
     is_near: ptr<function, bool>,
 ) -> bool {
-    var inside = corner;
-    for (var index = first; index < first + count; index++) {
-        let segment = trim_segments[index];
-        inside = inside != (crosses(segment, uv, extent, is_near) != crosses_left_edge(segment, uv.y));
-    }
-    return inside;
+    let segment = trim_segments[trim_nodes[root + 1u] + segment_of_face];
+    let low = (toggles & 1u) != 0u && uv.y >= segment.low.y;
+    let high = (toggles & 2u) != 0u && uv.y >= segment.high.y;
+    return crosses(root, segment, uv, extent, is_near) != (low != high);
 }
 
-fn crosses_left_edge(segment: TrimSegment, v: f32) -> bool {
-    let low = (segment.flags & LOW_ON_LEFT_EDGE) != 0u && v >= segment.low.y;
-    let high = (segment.flags & HIGH_ON_LEFT_EDGE) != 0u && v >= segment.high.y;
-    return low != high;
-}
-
-// The twin asks for two corners of the box and for the point in turn; here that is one loop.
-fn crosses(segment: TrimSegment, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<function, bool>) -> bool {
+// The twin asks for two corners of the box and for the point in turn; here that is one loop. A negative extent asks for the point alone.
+fn crosses(
+    root: u32,
+    segment: TrimSegment,
+    uv: vec2<f32>,
+    extent: vec2<f32>,
+    is_near: ptr<function, bool>,
+) -> bool {
     let at_height = uv.y >= segment.low.y && uv.y < segment.high.y;
     let reach = max(extent, vec2<f32>(0.0));
     if uv.y + reach.y < segment.low.y || uv.y - reach.y > segment.high.y {
@@ -104,7 +113,7 @@ fn crosses(segment: TrimSegment, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<
         } else if k == 1u {
             corner = vec2<f32>(reach.x, -up);
         }
-        right = !is_flat && is_right(segment, uv + corner);
+        right = !is_flat && is_right(root, segment, uv + corner);
         if k == 0u && right {
             return at_height;
         }
@@ -116,63 +125,36 @@ fn crosses(segment: TrimSegment, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<
     return at_height && right;
 }
 
-fn is_right(segment: TrimSegment, uv: vec2<f32>) -> bool {
+fn is_right(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
+    if uv.x >= max(segment.low.x, segment.high.x) {
+        return true;
+    }
+    if uv.x < min(segment.low.x, segment.high.x) {
+        return false;
+    }
     let v = min(max(uv.y, segment.low.y), segment.high.y);
-    let degree = segment.flags & DEGREE_MASK;
-    if degree <= 1u {
-        return line_at(segment.low, segment.high, v) <= uv.x;
+    let along = segment.high - segment.low;
+    let from_low = vec2<f32>(uv.x, v) - segment.low;
+    let degree = segment.curve >> 27u;
+    if degree == 1u {
+        return from_low.x * along.y >= from_low.y * along.x;
     }
-    return bisect(segment, degree, vec2<f32>(uv.x, v));
+    let by_v = (segment.band & BY_V) != 0u;
+    let at = from_low / along;
+    let above = select(at.y, at.x, by_v) - band_middle(segment.band, select(at.x, at.y, by_v));
+    if abs(above) > band_half_width(segment.band) || degree == 0u {
+        return (above > 0.0) == (by_v == (along.x > 0.0));
+    }
+    return is_right_of_curve(segment, trim_nodes[root + 2u], vec2<f32>(uv.x, v));
 }
 
-fn line_at(low: vec2<f32>, high: vec2<f32>, v: f32) -> f32 {
-    return low.x + (high.x - low.x) * ((v - low.y) / (high.y - low.y));
+fn band_middle(band: u32, x: f32) -> f32 {
+    let bulge = f32(i32(band) >> 19u) * (1.0 / BULGE_STEPS);
+    let skew = f32(i32(band << 13u) >> 22u) * (1.0 / SKEW_STEPS);
+    return x + 4.0 * x * (1.0 - x) * (bulge + skew * (x + x - 1.0));
 }
 
-fn bisect(segment: TrimSegment, degree: u32, uv: vec2<f32>) -> bool {
-    var low = segment.low;
-    var high = segment.high;
-    var t_low = segment.t_low;
-    var t_high = segment.t_high;
-    if uv.x >= max(low.x, high.x) || uv.x < min(low.x, high.x) {
-        return uv.x >= max(low.x, high.x);
-    }
-    for (var i = 0u; i < MAX_BISECTIONS; i++) {
-        let t = (t_low + t_high) * 0.5;
-        if t == t_low || t == t_high {
-            break;
-        }
-        let at = curve_point(segment.curve, degree, t);
-        if at.y <= uv.y {
-            low = at;
-            t_low = t;
-        } else {
-            high = at;
-            t_high = t;
-        }
-        if uv.x >= max(low.x, high.x) {
-            return true;
-        }
-        if uv.x < min(low.x, high.x) {
-            return false;
-        }
-    }
-    return line_at(low, high, uv.y) <= uv.x;
-}
-
-fn control_point(index: u32) -> vec3<f32> {
-    return vec3<f32>(trim_points[3u * index], trim_points[3u * index + 1u], trim_points[3u * index + 2u]);
-}
-
-fn curve_point(first: u32, degree: u32, t: f32) -> vec2<f32> {
-    let s = 1.0 - t;
-    var factor = 1.0;
-    var sum = control_point(first) * s;
-    for (var i = 1u; i < degree; i++) {
-        factor = factor * t * (f32(degree + 1u - i) / f32(i));
-        sum = (sum + control_point(first + i) * factor) * s;
-    }
-    let power = factor * t / f32(degree);
-    let end = sum + control_point(first + degree) * power;
-    return end.xy / end.z;
+fn band_half_width(band: u32) -> f32 {
+    let width = band & 0xffu;
+    return select(bitcast<f32>((width + WIDTH_BIAS) << 20u), 3.0e38, width == 255u);
 }

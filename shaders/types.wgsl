@@ -82,10 +82,8 @@ struct NetLeaf {
 struct TrimSegment {
     low: vec2<f32>,
     high: vec2<f32>,
-    t_low: f32,
-    t_high: f32,
+    band: u32,
     curve: u32,
-    flags: u32,
 }
 
 struct Material {

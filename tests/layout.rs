@@ -120,7 +120,7 @@ fn records_agree() {
             trim,
         }
     );
-    assert_layout!(module, TrimSegment { low, high, t_low, t_high, curve, flags });
+    assert_layout!(module, TrimSegment { low, high, band, curve });
     assert_layout!(module, Material { rgb, opacity });
 }
 

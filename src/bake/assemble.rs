@@ -50,7 +50,7 @@ pub(super) fn add_face(
     let lengths = [
         scene.net_points.len() + baked.nets.points.len(),
         scene.net_leaves.len() + baked.nets.leaves.len(),
-        scene.trim_nodes.len() + baked.trim.nodes.len() + 1,
+        scene.trim_nodes.len() + baked.trim.words.len(),
         scene.trim_segments.len() + baked.trim.segments.len(),
         scene.trim_points.len() + baked.trim.points.len(),
     ];
@@ -96,17 +96,13 @@ pub(super) fn add_face(
     Ok(())
 }
 
-/// Appends a face's trim tree; returns the index of its root.
+/// Appends a face's trims; returns the index of their root.
 pub(super) fn add_trim(scene: &mut SceneBuffers, trim: &TrimTree) -> u32 {
-    let first_point = scene.trim_points.len() as u32;
-    scene.trim_nodes.push(scene.trim_segments.len() as u32);
     let root = scene.trim_nodes.len() as u32;
-    scene.trim_nodes.extend_from_slice(&trim.nodes);
-    for segment in &trim.segments {
-        let is_line = segment.flags & crate::scene::TrimSegment::DEGREE_MASK == 1;
-        let curve = if is_line { 0 } else { segment.curve + first_point };
-        scene.trim_segments.push(crate::scene::TrimSegment { curve, ..*segment });
-    }
+    scene.trim_nodes.extend_from_slice(&trim.words);
+    scene.trim_nodes[root as usize + 1] = scene.trim_segments.len() as u32;
+    scene.trim_nodes[root as usize + 2] = scene.trim_points.len() as u32;
+    scene.trim_segments.extend_from_slice(&trim.segments);
     scene.trim_points.extend(trim.points.iter().map(|p| narrow::vector(*p)));
     scene.header.max_trim_degree = scene.header.max_trim_degree.max(trim.max_degree);
     root

@@ -28,7 +28,9 @@ mod study;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod trim_band;
 mod trim_query;
+mod trim_segments;
 mod trim_statistics;
 #[cfg(test)]
 mod trim_tests;

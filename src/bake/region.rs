@@ -30,15 +30,17 @@ pub(super) struct Piece {
     pub low: [f32; 2],
     /// The other end.
     pub high: [f32; 2],
+    /// Index of the whole piece that clipping made this one from.
+    pub source: u32,
 }
 
 impl Piece {
-    fn new(curve: Option<u32>, t: [f64; 2], ends: [[f32; 2]; 2]) -> Self {
+    fn new(curve: Option<u32>, t: [f64; 2], ends: [[f32; 2]; 2], source: u32) -> Self {
         let [a, b] = ends;
         if (a[1], a[0]) <= (b[1], b[0]) {
-            Self { curve, t, low: a, high: b }
+            Self { curve, t, low: a, high: b, source }
         } else {
-            Self { curve, t: [t[1], t[0]], low: b, high: a }
+            Self { curve, t: [t[1], t[0]], low: b, high: a, source }
         }
     }
 
@@ -101,10 +103,11 @@ impl Region {
         let mut pieces = Vec::with_capacity(ends.len() + links.len());
         for (index, curve) in curves.iter().enumerate() {
             let curve_index = (!is_straight(curve)).then_some(index as u32);
-            pieces.push(Piece::new(curve_index, [0.0, 1.0], ends[index]));
+            pieces.push(Piece::new(curve_index, [0.0, 1.0], ends[index], 0));
         }
-        pieces.extend(links.into_iter().map(|link| Piece::new(None, [0.0, 1.0], link)));
+        pieces.extend(links.into_iter().map(|link| Piece::new(None, [0.0, 1.0], link, 0)));
         pieces.retain(|piece| !piece.is_point());
+        number(&mut pieces);
         Ok(Self { is_bounded: !curves.is_empty(), curves, pieces })
     }
 
@@ -141,10 +144,27 @@ impl Region {
         let (t, across) = self.solve(piece, axis, value);
         let mut vertex = [value; 2];
         vertex[1 - axis] = across;
-        let first = Piece::new(piece.curve, [piece.t[0], t], [piece.low, vertex]);
-        let second = Piece::new(piece.curve, [t, piece.t[1]], [vertex, piece.high]);
+        let first = Piece::new(piece.curve, [piece.t[0], t], [piece.low, vertex], piece.source);
+        let second = Piece::new(piece.curve, [t, piece.t[1]], [vertex, piece.high], piece.source);
         let (below, above) = if piece.low[axis] < value { (first, second) } else { (second, first) };
         [(!below.is_point()).then_some(below), (!above.is_point()).then_some(above)]
+    }
+
+    /// The halves of a curved piece; the piece alone where f32 has no vertex between its ends.
+    pub(super) fn halves(&self, piece: &Piece) -> [Option<Piece>; 2] {
+        let Some(curve) = piece.curve else { return [Some(*piece), None] };
+        let t = 0.5 * (piece.t[0] + piece.t[1]);
+        let at = self.curves[curve as usize].eval(t).point();
+        let vertex = [0, 1].map(|axis| {
+            let [least, greatest] = piece.range(axis);
+            single(at[axis]).clamp(least, greatest)
+        });
+        let parts = [
+            Piece::new(piece.curve, [piece.t[0], t], [piece.low, vertex], piece.source),
+            Piece::new(piece.curve, [t, piece.t[1]], [vertex, piece.high], piece.source),
+        ];
+        let is_proper = |part: &Piece| (0..2).all(|axis| part.low[axis] != part.high[axis]);
+        if parts.iter().all(is_proper) { parts.map(Some) } else { [Some(*piece), None] }
     }
 
     /// Whether `piece` may have a point in `rectangle`; a no is certain up to f32 rounding.
@@ -172,6 +192,13 @@ impl Region {
         let all_left = || self.solve(piece, 1, left_test[1]).1 > left_test[0];
         let all_right = || self.solve(piece, 1, right_test[1]).1 < right_test[0];
         !(all_left() || all_right())
+    }
+}
+
+/// Makes each piece its own source.
+pub(super) fn number(pieces: &mut [Piece]) {
+    for (index, piece) in pieces.iter_mut().enumerate() {
+        piece.source = index as u32;
     }
 }
 

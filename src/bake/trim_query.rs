@@ -1,46 +1,51 @@
-//! Whether a point is inside a trim tree: the query of the kernels, in f64 arithmetic over the tree's f32 numbers.
+//! Whether a point is inside a face's trims: the query of the kernels, in f64 arithmetic over the f32 numbers, without bands.
 
 use super::region::parameter_at;
-use super::trim_tree::{MAX_DEPTH, TrimTree};
+use super::trim_tree::TrimTree;
 use crate::geometry::{Homogeneous, Homogeneous2};
 use crate::scene::TrimSegment;
-use crate::scene::trim_node::{self, TrimNode, child_range, split_position};
+use crate::scene::trim_word::{FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack};
 
 /// The state of `point`, normalised and in [0, 1]².
 pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
-    let mut at = 0;
-    let mut low = [0.0f32; 2];
-    let mut size = [1.0f32; 2];
-    for _ in 0..=MAX_DEPTH {
-        match trim_node::unpack(tree.nodes[at]) {
-            TrimNode::Inner { axis, plane, right } => {
-                let axis = axis as usize;
-                let position = split_position(low[axis], size[axis], plane);
-                let far = right == trim_node::FAR;
-                let is_right = point[axis] >= position;
-                (low[axis], size[axis]) = child_range(low[axis], size[axis], position, is_right);
-                at += match (is_right, far) {
-                    (false, false) => 1,
-                    (false, true) => 2,
-                    (true, false) => right as usize,
-                    (true, true) => tree.nodes[at + 1] as usize,
-                };
-            }
-            TrimNode::Leaf { inside, count, first } => {
-                let count = if count == trim_node::MANY { tree.nodes[at + 1] } else { count } as usize;
-                let segments = &tree.segments[first as usize..first as usize + count];
-                return segments.iter().fold(inside, |state, segment| {
-                    state ^ (crosses(segment, &tree.points, point) != on_left_edge(segment, point[1]))
-                });
-            }
+    match cell(&tree.words, point) {
+        TrimWord::Uniform { inside } => inside,
+        TrimWord::One { corner, toggles, segment } => corner ^ flips(tree, toggles, segment, point),
+        TrimWord::List { offset } => {
+            let head = tree.words[offset as usize];
+            let entries = &tree.words[offset as usize + 1..][..(head & !(1 << 31)) as usize];
+            entries.iter().fold(head >> 31 == 1, |state, entry| {
+                state ^ flips(tree, entry >> 30, entry & MAX_SEGMENT, point)
+            })
         }
+        TrimWord::Inner { .. } | TrimWord::Tree { .. } => unreachable!("walks end at leaves"),
     }
-    unreachable!("a tree is not deeper than its builder allows")
 }
 
-fn on_left_edge(segment: &TrimSegment, v: f32) -> bool {
-    let passed = |bit: u32, end: [f32; 2]| segment.flags & bit != 0 && v >= end[1];
-    passed(TrimSegment::LOW_ON_LEFT_EDGE, segment.low) != passed(TrimSegment::HIGH_ON_LEFT_EDGE, segment.high)
+fn cell(words: &[u32], point: [f32; 2]) -> TrimWord {
+    let levels = grid_levels(words[0]);
+    let index = [0, 1].map(|axis| {
+        let cells = 1_u32 << levels[axis];
+        ((point[axis] * cells as f32) as u32).min(cells - 1) as usize
+    });
+    let word = unpack(words[HEADER_WORDS + (index[1] << levels[0] | index[0])]);
+    let TrimWord::Tree { offset } = word else { return word };
+    let mut at = offset as usize;
+    loop {
+        let TrimWord::Inner { axis, plane, right } = unpack(words[at]) else { return unpack(words[at]) };
+        at += match (point[axis as usize] >= position(plane), right == FAR) {
+            (false, false) => 1,
+            (false, true) => 2,
+            (true, false) => right as usize,
+            (true, true) => words[at + 1] as usize,
+        };
+    }
+}
+
+fn flips(tree: &TrimTree, toggles: u32, segment: u32, point: [f32; 2]) -> bool {
+    let segment = &tree.segments[segment as usize];
+    let passed = |bit: u32, end: [f32; 2]| toggles & bit != 0 && point[1] >= end[1];
+    crosses(segment, &tree.points, point) ^ passed(1, segment.low) ^ passed(2, segment.high)
 }
 
 fn crosses(segment: &TrimSegment, points: &[Homogeneous2], point: [f32; 2]) -> bool {
@@ -57,13 +62,13 @@ fn crosses(segment: &TrimSegment, points: &[Homogeneous2], point: [f32; 2]) -> b
     if u < low[0].min(high[0]) {
         return false;
     }
-    let degree = (segment.flags & TrimSegment::DEGREE_MASK) as usize;
+    let degree = segment.degree() as usize;
     if degree == 1 {
         return low[0] + (v - low[1]) / (high[1] - low[1]) * (high[0] - low[0]) <= u;
     }
-    let first = segment.curve as usize;
+    let first = (segment.curve & TrimSegment::POINT_MASK) as usize;
     let control = &points[first..=first + degree];
-    let range = [f64::from(segment.t_low), f64::from(segment.t_high)];
+    let range = if segment.curve & TrimSegment::FALLS != 0 { [1.0, 0.0] } else { [0.0, 1.0] };
     let t = parameter_at(control, 1, v, range, true);
     de_casteljau(control, t).x <= u
 }

@@ -253,9 +253,9 @@ fn trees_stay_small() {
         .collect();
     let (region, tree) = tree_of(&trim(vec![polygon(&round)]));
     assert!(tree.segments.len() < 8 * region.pieces.len(), "{} segments", tree.segments.len());
-    assert!(tree.nodes.len() < 16 * region.pieces.len(), "{} nodes", tree.nodes.len());
+    assert!(tree.words.len() < 16 * region.pieces.len(), "{} words", tree.words.len());
     let (_, ring) = tree_of(&trim(vec![circle(DVec2::ZERO, 1.0), circle(DVec2::ZERO, 0.5)]));
-    assert!(ring.nodes.len() < 4000, "{} nodes", ring.nodes.len());
+    assert!(ring.words.len() < 600, "{} words", ring.words.len());
 }
 
 #[test]

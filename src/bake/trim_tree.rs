@@ -1,34 +1,33 @@
-//! The trim kd-tree of a face: cells of the parameter plane with the state of a corner and the pieces of trim curves inside.
+//! The trims of a face: a grid of cells over the parameter window and kd-trees below crowded ones, with the state of a corner and the segments inside.
 //!
 //! States are never found by evaluation. The state of a cell is that of its lower left corner approached from inside, at (u₀ + δ, v₀ + ε) with
 //! ε ≪ δ. A query walks up just inside the left edge, meeting the pieces that leave through it, and then right, meeting the pieces that pass left of the
-//! point (`scene::TrimSegment`). Moving from a cell to its right child at u = s, only pieces that touch the bottom edge at or left of s can matter; moving to
+//! point (head of `scene::trim`). Moving from a cell to its right child at u = s, only pieces that touch the bottom edge at or left of s can matter; moving to
 //! the upper child at v = s, only pieces that end on the left edge at or below s, and pieces that start exactly at the new corner. All
 //! of these are comparisons of shared f32 vertices, those that the clip at s makes among them, so states are as exact as the chains are closed.
 //!
-//! Some pieces need no storage: those along a cell's edges (on the left edge one is left of every point and of the walk, on the right edge right of
+//! Some pieces need no mention in a cell: those along its edges (on the left edge one is left of every point and of the walk, on the right edge right of
 //! every point; the walk starts above the bottom edge and ends below the top edge). Horizontals inside a cell are kept, though nothing can cross them
-//! sideways: those that start on the left edge for their flag, all so that points near them are known to be near a border.
+//! sideways: those that start on the left edge for their toggle, all so that points near them are known to be near a border.
 //!
-//! Planes are chosen by the surface-area heuristic (Sloup and Havran 2021, eq. 2) over piece boxes, then by their median-split rule.
+//! The grid's shape follows from a count: a monotone piece crosses exactly as many grid lines as its ends differ in. Below it,
+//! planes are chosen by the surface-area heuristic (Sloup and Havran 2021, eq. 2) over piece boxes, then by their median-split rule.
 
 use super::region::{Piece, Region};
+use super::trim_segments::Segments;
 use crate::geometry::Homogeneous2;
 use crate::scene::TrimSegment;
-use crate::scene::trim_node::{self, PLANE_STEPS, TrimNode, child_range, split_position};
+use crate::scene::trim_word::{self, HEADER_WORDS, MAX_GRID_LEVEL, PLANE_STEPS, TrimWord, position};
 use smallvec::SmallVec;
 
-/// Levels of a tree.
-pub(super) const MAX_DEPTH: usize = 24;
-
-/// No cell is narrower: below it f32 coordinates have few bits left inside a cell.
-const MIN_SIZE: f32 = 1.0 / 16384.0;
+/// Levels of a tree below the grid.
+const MAX_DEPTH: usize = 24;
 
 /// Cost of a kd step where testing one piece costs 1.
 const TRAVERSAL_COST: f32 = 0.3;
 
-/// Cells with two or more pieces are halved while larger than this (r_SA of Sloup and Havran 2021).
-const HALVE_ABOVE_AREA: f32 = 0.0006;
+/// A split has to save this many tests for a mean point of the window: what its words are worth.
+const LEAST_GAIN: f32 = 1.0 / 64.0;
 
 /// Evenly spaced plane candidates where pieces are too many to try all of their ends.
 const EVEN_CANDIDATES: u32 = 64;
@@ -36,16 +35,20 @@ const EVEN_CANDIDATES: u32 = 64;
 /// Up to this many pieces every end is a candidate.
 const FEW_PIECES: usize = 32;
 
-/// Segments that a tree may have for each piece of its region, and on top: splits that only copy pieces stop there.
-const SEGMENTS_PER_PIECE: usize = 12;
-const FREE_SEGMENTS: usize = 1024;
+/// Mentions of segments that a face may have for each of its pieces, and on top: splits that only copy pieces stop there.
+const MENTIONS_PER_PIECE: usize = 12;
+const FREE_MENTIONS: usize = 1024;
 
-/// The tree of one face; indices count from its own arrays.
+/// Words of a tree for each mention that its budget allows, at most. On each level the cells that are not empty are no more than the mentions, with an
+/// empty one beside each: two words or, where far, three. A list takes a word for each mention and one more.
+const WORDS_PER_MENTION: usize = 3 * (MAX_DEPTH + 1) + 2;
+
+/// The trims of one face; indices count from its own arrays.
 #[derive(Debug, Clone, Default)]
 pub(super) struct TrimTree {
-    /// The root's word first (the word before the root is the scene's to add).
-    pub nodes: Vec<u32>,
-    /// Pieces, cell by cell.
+    /// The root's header first; its words 1 and 2 are the scene's to set.
+    pub words: Vec<u32>,
+    /// Segments.
     pub segments: Vec<TrimSegment>,
     /// Control points of curves, f64.
     pub points: Vec<Homogeneous2>,
@@ -56,8 +59,8 @@ pub(super) struct TrimTree {
 impl TrimTree {
     /// Where a single cell is all: its state.
     pub(super) fn uniform(&self) -> Option<bool> {
-        match trim_node::unpack(*self.nodes.first()?) {
-            TrimNode::Leaf { inside, count: 0, .. } => Some(inside),
+        match trim_word::unpack(*self.words.get(HEADER_WORDS)?) {
+            TrimWord::Uniform { inside } if self.words[0] == trim_word::grid([0, 0]) => Some(inside),
             _ => None,
         }
     }
@@ -66,57 +69,162 @@ impl TrimTree {
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     low: [f32; 2],
-    size: [f32; 2],
     high: [f32; 2],
+}
+
+impl Cell {
+    fn size(&self, axis: usize) -> f32 {
+        self.high[axis] - self.low[axis]
+    }
+
+    /// The parts below and above `position`.
+    fn halves(self, axis: usize, position: f32) -> [Self; 2] {
+        let (mut near, mut far) = (self, self);
+        near.high[axis] = position;
+        far.low[axis] = position;
+        [near, far]
+    }
+}
+
+/// A cell, what passes it and the state of its lower left corner.
+struct Content {
+    cell: Cell,
+    pieces: Vec<Piece>,
+    inside: bool,
 }
 
 struct Builder<'a> {
     region: &'a Region,
-    tree: TrimTree,
-    first_point: Vec<u32>,
+    segments: Segments,
+    words: Vec<u32>,
 }
 
-/// Builds the tree of `region`.
+/// Builds the trims of `region`.
 pub(super) fn build(region: &Region) -> Result<TrimTree, String> {
+    let whole = Cell { low: [0.0; 2], high: [1.0; 2] };
     if !region.is_bounded {
-        let word = trim_node::pack(TrimNode::Leaf { inside: true, count: 0, first: 0 });
-        return Ok(TrimTree { nodes: vec![word], ..TrimTree::default() });
+        let word = trim_word::pack(TrimWord::Uniform { inside: true });
+        return Ok(TrimTree { words: vec![trim_word::grid([0, 0]), 0, 0, word], ..TrimTree::default() });
     }
-    let budget = region.pieces.len() * SEGMENTS_PER_PIECE + FREE_SEGMENTS;
-    if budget >= 1 << 24 {
-        return Err(format!("{} trim curves are too many", region.pieces.len()));
-    }
-    let mut builder =
-        Builder { region, tree: TrimTree::default(), first_point: vec![u32::MAX; region.curves.len()] };
-    builder.store_curves();
-    let root = Cell { low: [0.0; 2], size: [1.0; 2], high: [1.0; 2] };
+    let budget = region.pieces.len() * MENTIONS_PER_PIECE + FREE_MENTIONS;
+    let segments = Segments::new(region)?;
     let mut inside = false;
-    for piece in &region.pieces {
+    for piece in &segments.pieces {
         inside ^= piece.low == [0.0; 2] && piece.high[1] > 0.0;
     }
-    builder.emit(root, region.pieces.clone(), inside, MAX_DEPTH, budget);
-    Ok(builder.tree)
+    let mut root = Content { cell: whole, pieces: segments.pieces.clone(), inside };
+    tidy(&root.cell, &mut root.pieces);
+    let levels = grid_levels(&root.pieces);
+    let cells = 1_usize << (levels[0] + levels[1]);
+    let mut words = vec![0; HEADER_WORDS + cells];
+    words[0] = trim_word::grid(levels);
+    let mut builder = Builder { region, segments, words };
+    builder.fill_grid(root, levels, [0, 0], levels, budget);
+    let Builder { segments, words, .. } = builder;
+    if words.len() > trim_word::MAX_OFFSET as usize {
+        return Err(format!("{} trim curves are too many", region.pieces.len()));
+    }
+    let (segments, points, max_degree) = segments.into_records(region)?;
+    Ok(TrimTree { words, segments, points, max_degree })
 }
 
+/// log2 of the cells along u and v: about [`CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the most of them without a piece.
+fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
+    if pieces.is_empty() {
+        return [0; 2];
+    }
+    let total =
+        ((pieces.len() * CELLS_PER_PIECE) as f32).log2().round().min((2 * MAX_GRID_LEVEL) as f32) as u32;
+    let length = |axis| {
+        pieces
+            .iter()
+            .map(|piece: &Piece| {
+                let [a, b] = piece.range(axis);
+                f64::from(b - a)
+            })
+            .sum::<f64>()
+    };
+    let lengths = [length(0), length(1)];
+    let crossings = |along_u: u32| {
+        lengths[0] * f64::from(1_u32 << along_u) + lengths[1] * f64::from(1_u32 << (total - along_u))
+    };
+    let allowed = total.saturating_sub(MAX_GRID_LEVEL)..=total.min(MAX_GRID_LEVEL);
+    let along_u = allowed.min_by(|&a, &b| crossings(a).total_cmp(&crossings(b))).unwrap_or(0);
+    [along_u, total - along_u]
+}
+
+/// Cells of the grid for each piece.
+const CELLS_PER_PIECE: usize = 4;
+
 impl Builder<'_> {
-    fn store_curves(&mut self) {
-        for piece in &self.region.pieces {
-            let Some(curve) = piece.curve else { continue };
-            let points = &self.region.curves[curve as usize].points;
-            self.first_point[curve as usize] = self.tree.points.len() as u32;
-            self.tree.points.extend_from_slice(points);
-            self.tree.max_degree = self.tree.max_degree.max(points.len() as u32 - 1);
+    /// Halves `content` until it is one cell of the grid: `left` counts the halvings to come, `index` is the cell's so far.
+    fn fill_grid(
+        &mut self,
+        mut content: Content,
+        left: [u32; 2],
+        index: [usize; 2],
+        levels: [u32; 2],
+        budget: usize,
+    ) {
+        tidy(&content.cell, &mut content.pieces);
+        if left == [0, 0] {
+            let at = HEADER_WORDS + (index[1] << levels[0] | index[0]);
+            self.words[at] = match self.split_of(&content, MAX_DEPTH, budget) {
+                None => self.leaf(&content),
+                Some(_) => {
+                    let offset = self.words.len() as u32;
+                    self.emit(content, MAX_DEPTH, budget);
+                    trim_word::pack(TrimWord::Tree { offset: offset & trim_word::MAX_OFFSET })
+                }
+            };
+            return;
+        }
+        let axis = usize::from(left[1] > left[0]);
+        let middle = 0.5 * (content.cell.low[axis] + content.cell.high[axis]);
+        let halves = self.divide(content, axis, middle);
+        let budgets = shares(budget, &halves);
+        for (side, (half, budget)) in halves.into_iter().zip(budgets).enumerate() {
+            let (mut left, mut index) = (left, index);
+            left[axis] -= 1;
+            index[axis] = 2 * index[axis] + side;
+            self.fill_grid(half, left, index, levels, budget);
         }
     }
 
-    /// Emits a cell of at most `levels` levels; splits only while all pieces, copied, would stay within `budget` segments.
-    fn emit(&mut self, cell: Cell, mut pieces: Vec<Piece>, inside: bool, levels: usize, budget: usize) {
-        tidy(&cell, &mut pieces);
-        let may_split = levels > 0 && pieces.len() * 2 <= budget;
-        let split = if may_split { choose_split(&cell, &pieces) } else { None };
-        let Some((axis, plane, position)) = split else {
-            return self.emit_leaf(&cell, &pieces, inside);
+    /// Where the tree below a cell would split it first; only while all pieces, copied, would stay within `budget`.
+    fn split_of(&self, content: &Content, levels: usize, budget: usize) -> Option<(usize, u32)> {
+        let may_split = levels > 0 && content.pieces.len() * 2 <= budget;
+        if may_split { choose_split(&content.cell, &content.pieces) } else { None }
+    }
+
+    /// Emits a cell as a tree of at most `levels` levels.
+    fn emit(&mut self, mut content: Content, levels: usize, budget: usize) {
+        tidy(&content.cell, &mut content.pieces);
+        let Some((axis, plane)) = self.split_of(&content, levels, budget) else {
+            let at = self.words.len();
+            self.words.push(0);
+            self.words[at] = self.leaf(&content);
+            return;
         };
+        let halves = self.divide(content, axis, position(plane));
+        let budgets = shares(budget, &halves);
+        let [near, far] = halves;
+        let is_far = budgets[0] * WORDS_PER_MENTION >= trim_word::FAR as usize;
+        let word = self.words.len();
+        self.words.extend(std::iter::repeat_n(0, 1 + usize::from(is_far)));
+        self.emit(near, levels - 1, budgets[0]);
+        let mut right = (self.words.len() - word) as u32;
+        if is_far {
+            self.words[word + 1] = right;
+            right = trim_word::FAR;
+        }
+        self.words[word] = trim_word::pack(TrimWord::Inner { axis: axis as u32, plane, right });
+        self.emit(far, levels - 1, budgets[1]);
+    }
+
+    /// The parts of `content` below and above `position`, with their states.
+    fn divide(&self, content: Content, axis: usize, position: f32) -> [Content; 2] {
+        let Content { cell, pieces, inside } = content;
         let mut near = Vec::with_capacity(pieces.len());
         let mut far = Vec::with_capacity(pieces.len());
         for piece in &pieces {
@@ -124,62 +232,67 @@ impl Builder<'_> {
             near.extend(below);
             far.extend(above);
         }
-        drop(pieces);
-        let near_budget =
-            (budget as f64 * near.len() as f64 / (near.len() + far.len()).max(1) as f64) as usize;
-        let child = |is_right: bool| {
-            let mut child = cell;
-            (child.low[axis], child.size[axis]) =
-                child_range(cell.low[axis], cell.size[axis], position, is_right);
-            child
-        };
-        let (mut near_cell, far_cell) = (child(false), child(true));
-        near_cell.high[axis] = position;
+        let [near_cell, far_cell] = cell.halves(axis, position);
         let far_inside = state_beyond(cell.low, far_cell.low, inside, near.iter().chain(&far));
         let near_inside = near.iter().fold(inside, |state, piece| state ^ lies_below_walk(&cell, piece));
-
-        let word = self.tree.nodes.len();
-        self.tree.nodes.push(0);
-        self.emit(near_cell, near, near_inside, levels - 1, near_budget);
-        let mut right = (self.tree.nodes.len() - word) as u32;
-        if right >= trim_node::FAR {
-            self.tree.nodes.insert(word + 1, right + 1);
-            right = trim_node::FAR;
-        }
-        self.tree.nodes[word] = trim_node::pack(TrimNode::Inner { axis: axis as u32, plane, right });
-        self.emit(far_cell, far, far_inside, levels - 1, budget - near_budget);
+        [
+            Content { cell: near_cell, pieces: near, inside: near_inside },
+            Content { cell: far_cell, pieces: far, inside: far_inside },
+        ]
     }
 
-    fn emit_leaf(&mut self, cell: &Cell, pieces: &[Piece], inside: bool) {
-        let first = if pieces.is_empty() { 0 } else { self.tree.segments.len() as u32 };
-        let count = pieces.len() as u32;
-        let many = count >= trim_node::MANY;
-        let word = TrimNode::Leaf { inside, count: if many { trim_node::MANY } else { count }, first };
-        self.tree.nodes.push(trim_node::pack(word));
-        if many {
-            self.tree.nodes.push(count);
-        }
+    /// The word of a cell; a list goes to the end of the words.
+    fn leaf(&mut self, content: &Content) -> u32 {
+        let Content { cell, pieces, inside } = content;
+        let mut corner = *inside;
+        let mut entries: SmallVec<[(u32, u32); 8]> = SmallVec::new();
         for piece in pieces {
-            let (curve, degree) = match piece.curve {
-                None => (0, 1),
-                Some(curve) => (
-                    self.first_point[curve as usize],
-                    self.region.curves[curve as usize].points.len() as u32 - 1,
-                ),
-            };
-            let flag = |end: [f32; 2], bit: u32| if end[0] == cell.low[0] { bit } else { 0 };
-            self.tree.segments.push(TrimSegment {
-                low: piece.low,
-                high: piece.high,
-                t_low: piece.t[0] as f32,
-                t_high: piece.t[1] as f32,
-                curve,
-                flags: degree
-                    | flag(piece.low, TrimSegment::LOW_ON_LEFT_EDGE)
-                    | flag(piece.high, TrimSegment::HIGH_ON_LEFT_EDGE),
-            });
+            if !entries.iter().any(|&(_, segment)| segment == piece.source) {
+                let (toggles, passes_left) =
+                    mention(&self.segments.pieces[piece.source as usize], piece, cell);
+                corner ^= passes_left;
+                entries.push((toggles, piece.source));
+            }
+        }
+        match entries[..] {
+            [] => trim_word::pack(TrimWord::Uniform { inside: corner }),
+            [(toggles, segment)] => trim_word::pack(TrimWord::One { corner, toggles, segment }),
+            _ => {
+                let offset = self.words.len() as u32 & trim_word::MAX_OFFSET;
+                self.words.push(trim_word::list_head(corner, entries.len() as u32));
+                self.words.extend(
+                    entries.iter().map(|&(toggles, segment)| trim_word::list_entry(toggles, segment)),
+                );
+                trim_word::pack(TrimWord::List { offset })
+            }
         }
     }
+}
+
+/// The budgets of two parts, by their numbers of pieces.
+fn shares(budget: usize, parts: &[Content; 2]) -> [usize; 2] {
+    let [near, far] = [0, 1].map(|side| parts[side].pieces.len());
+    let near = (budget as f64 * near as f64 / (near + far).max(1) as f64) as usize;
+    [near, budget - near]
+}
+
+/// The toggles of a segment in a cell that `piece` of it passes, and whether it passes left of the cell's corner at the corner's height.
+///
+/// With u₀ the cell's left edge: a segment that spans u₀ and rises to the right toggles at its lower end, one that falls at its upper
+/// end, one right of u₀ never; one left of u₀ does not pass the cell. Toggles at or below the cell's bottom are folded into the corner's
+/// state, as are those above it, which no point of the cell reaches.
+fn mention(segment: &Piece, piece: &Piece, cell: &Cell) -> (u32, bool) {
+    let spans = segment.low[0].min(segment.high[0]) <= cell.low[0];
+    if !spans {
+        return (0, false);
+    }
+    let rises = segment.high[0] > segment.low[0];
+    let (bit, height) = if rises { (1, segment.low[1]) } else { (2, segment.high[1]) };
+    if height > cell.low[1] {
+        return (if height < cell.high[1] { bit } else { 0 }, false);
+    }
+    // Met by the walk up or, entering through the bottom edge, by none of the two ways to the corner.
+    (0, rises && piece.low[0] == cell.low[0])
 }
 
 /// Removes the pieces that neither the cell nor a part of it needs: those along its edges.
@@ -213,36 +326,37 @@ fn state_beyond<'a>(
     })
 }
 
-/// Axis, plane and position of the best split, if one is worth it.
-fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
+/// Axis and plane of the best split, if one is worth it.
+fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32)> {
     if pieces.is_empty() {
         return None;
     }
     let count = pieces.len() as f32;
-    let mut best: Option<(f32, usize, u32, f32)> = None;
+    let area = cell.size(0) * cell.size(1);
+    let mut best: Option<(f32, usize, u32)> = None;
     for axis in 0..2 {
         let mut least: Coordinates = pieces.iter().map(|piece| piece.range(axis)[0]).collect();
         let mut greatest: Coordinates = pieces.iter().map(|piece| piece.range(axis)[1]).collect();
         least.sort_unstable_by(f32::total_cmp);
         greatest.sort_unstable_by(f32::total_cmp);
         for plane in candidates(cell, axis, &least, &greatest) {
-            let Some(position) = usable(cell, axis, plane) else { continue };
+            let position = position(plane);
             let below = least.partition_point(|&x| x < position) as f32;
             let above = count - greatest.partition_point(|&x| x <= position) as f32;
-            let share = (position - cell.low[axis]) / cell.size[axis];
+            let share = (position - cell.low[axis]) / cell.size(axis);
             let cost = TRAVERSAL_COST + share * below + (1.0 - share) * above;
-            if cost < count && best.is_none_or(|(least_cost, ..)| cost < least_cost) {
-                best = Some((cost, axis, plane, position));
+            if (count - cost) * area > LEAST_GAIN && best.is_none_or(|(least_cost, ..)| cost < least_cost) {
+                best = Some((cost, axis, plane));
             }
         }
     }
-    if let Some((_, axis, plane, position)) = best {
-        return Some((axis, plane, position));
+    if let Some((_, axis, plane)) = best {
+        return Some((axis, plane));
     }
-    let curved = pieces.iter().any(|piece| piece.curve.is_some());
-    if (pieces.len() > 1 || curved) && cell.size[0] * cell.size[1] > HALVE_ABOVE_AREA {
-        let axis = usize::from(cell.size[1] > cell.size[0]);
-        return usable(cell, axis, PLANE_STEPS / 2).map(|position| (axis, PLANE_STEPS / 2, position));
+    if (count - 1.0) * area > LEAST_GAIN {
+        let axis = usize::from(cell.size(1) > cell.size(0));
+        let [first, last] = planes(cell, axis);
+        return (first <= last).then_some((axis, u32::midpoint(first, last)));
     }
     None
 }
@@ -250,31 +364,28 @@ fn choose_split(cell: &Cell, pieces: &[Piece]) -> Option<(usize, u32, f32)> {
 /// Coordinates of piece ends, mostly few.
 type Coordinates = SmallVec<[f32; FEW_PIECES]>;
 
+/// The first and the last plane inside a cell.
+fn planes(cell: &Cell, axis: usize) -> [u32; 2] {
+    // Borders of cells are planes or lines of the grid, so these products are whole.
+    let steps = |x: f32| (x * PLANE_STEPS as f32) as u32;
+    [steps(cell.low[axis]) + 1, steps(cell.high[axis]) - 1]
+}
+
 /// Planes to try: those that just leave a piece on one side for few pieces, evenly spaced for many.
 fn candidates(cell: &Cell, axis: usize, least: &[f32], greatest: &[f32]) -> SmallVec<[u32; 64]> {
-    if least.len() > FEW_PIECES {
-        return (1..EVEN_CANDIDATES).map(|i| i * (PLANE_STEPS / EVEN_CANDIDATES)).collect();
+    let [first, last] = planes(cell, axis);
+    if first > last {
+        return SmallVec::new();
     }
-    let (low, size) = (cell.low[axis], cell.size[axis]);
-    let below = |end: f32| ((end - low) / size * PLANE_STEPS as f32) as u32;
-    let mut planes = SmallVec::from_slice(&[PLANE_STEPS / 2]);
-    planes.extend(least.iter().map(|&end| {
-        let plane = below(end);
-        plane - u32::from(plane > 0 && split_position(low, size, plane) > end)
-    }));
-    planes.extend(greatest.iter().map(|&end| {
-        let plane = below(end);
-        plane + u32::from(split_position(low, size, plane) < end)
-    }));
-    planes.retain(|plane| (1..PLANE_STEPS).contains(plane));
+    if least.len() > FEW_PIECES {
+        let step = ((last - first + 1) / EVEN_CANDIDATES).max(1);
+        return (first..=last).step_by(step as usize).collect();
+    }
+    let mut planes = SmallVec::from_slice(&[u32::midpoint(first, last)]);
+    planes.extend(least.iter().map(|&end| (end * PLANE_STEPS as f32) as u32));
+    planes.extend(greatest.iter().map(|&end| (end * PLANE_STEPS as f32).ceil() as u32));
+    planes.retain(|plane| (first..=last).contains(plane));
     planes.sort_unstable();
     planes.dedup();
     planes
-}
-
-/// The position of a plane that leaves two cells of allowed size.
-fn usable(cell: &Cell, axis: usize, plane: u32) -> Option<f32> {
-    let position = split_position(cell.low[axis], cell.size[axis], plane);
-    let wide = |size: f32| size >= MIN_SIZE;
-    (wide(position - cell.low[axis]) && wide(cell.high[axis] - position)).then_some(position)
 }

@@ -42,6 +42,8 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// The nearest f32.
     fn to_f32(self) -> f32;
+    /// The integer part, held to the range of the type.
+    fn to_u32(self) -> u32;
     /// `|self|`.
     fn abs(self) -> Self;
     /// The square root.
@@ -90,6 +92,10 @@ macro_rules! impl_real {
             #[inline(always)]
             fn to_f32(self) -> f32 {
                 self as f32
+            }
+            #[inline(always)]
+            fn to_u32(self) -> u32 {
+                self as u32
             }
             #[inline(always)]
             fn abs(self) -> Self {

@@ -162,7 +162,7 @@ pub struct Face {
     pub uv_scale: [f32; 2],
     /// Periods in normalised units, at least 1 (up to rounding); 0 where not periodic.
     pub period: [f32; 2],
-    /// [`TRIM_INSIDE`] where the whole window is inside, or index of the root in `trim_nodes`. Either way what lies outside the window,
+    /// [`super::TRIM_INSIDE`] where the whole window is inside, or index of the root in `trim_nodes`. Either way what lies outside the window,
     /// after wrapping and up to rounding, is outside.
     pub trim_root: u32,
     /// Index of the part.
@@ -232,7 +232,7 @@ pub struct NetLeaf {
     pub domain: u32,
     /// The net.
     pub net: u32,
-    /// [`TRIM_INSIDE`] where no trim test is needed, else a root in `trim_nodes` (that of the face).
+    /// [`super::TRIM_INSIDE`] where no trim test is needed, else a root in `trim_nodes` (that of the face).
     pub trim: u32,
 }
 
@@ -252,41 +252,6 @@ pub fn bend_bound(byte: u32) -> f32 {
 
 /// The upper 12 bits of 2⁻⁶.
 const BEND_BIAS: u32 = 121 << 3;
-
-/// A piece of a trim curve inside one kd-tree cell; monotone in u and in v. 32 bytes.
-///
-/// A point p of the cell has the state that the leaf word gives (that of the cell's lower left corner, approached from inside), flipped once
-/// for each segment with `crosses(p) != left_edge(p)`:
-/// * `crosses(p)`: `low.v <= p.v < high.v`, and the curve passes left of p at height p.v (`u(p.v) <= p.u`);
-/// * `left_edge(p)`: exclusive or over the flagged ends (on the cell's left edge) of `p.v >= v of that end`.
-///
-/// Why: walk from the corner up just inside the left edge, then right to p. The second leg meets the pieces that `crosses` counts; the first
-/// meets those that leave through the left edge below p. Horizontal pieces never cross; they are stored for their flag, and for points that ask what is near.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct TrimSegment {
-    /// The end with the lesser v, normalised (u, v).
-    pub low: [f32; 2],
-    /// The end with the greater v.
-    pub high: [f32; 2],
-    /// Curve parameters at `low` and `high`.
-    pub t_low: f32,
-    /// See `t_low`.
-    pub t_high: f32,
-    /// First control point in `trim_points`.
-    pub curve: u32,
-    /// `degree | low_on_left_edge << 8 | high_on_left_edge << 9`; degree 1 is the straight line from low to high.
-    pub flags: u32,
-}
-
-impl TrimSegment {
-    /// Bit of `flags`: `low` lies on the cell's left edge.
-    pub const LOW_ON_LEFT_EDGE: u32 = 1 << 8;
-    /// Bit of `flags`: `high` lies on the cell's left edge.
-    pub const HIGH_ON_LEFT_EDGE: u32 = 1 << 9;
-    /// Mask of the degree in `flags`.
-    pub const DEGREE_MASK: u32 = 0xff;
-}
 
 /// What a face looks like. 16 bytes.
 #[repr(C)]
@@ -339,9 +304,6 @@ pub const MAX_DEGREE: u32 = 25;
 /// The material index that means "as the face says".
 pub const NO_MATERIAL: u32 = u32::MAX;
 
-/// The trim root that means "inside everywhere".
-pub const TRIM_INSIDE: u32 = u32::MAX;
-
 /// Words of `primitives` below the top BVH.
 pub mod primitive {
     /// What a word stands for.
@@ -370,86 +332,6 @@ pub mod primitive {
             Primitive::Face(word)
         } else {
             Primitive::NetLeaf(word & !NET_LEAF_BIT)
-        }
-    }
-}
-
-/// Words of `trim_nodes`.
-///
-/// ```text
-/// inner  [31] = 0  [30] axis  [29:16] plane, u14, relative to the parent cell  [15:0] distance to the right child
-///        (the left child is the next word; distance 0xffff: the next word holds the distance, the left child follows it)
-/// leaf   [31] = 1  [30] inside, for a point at the cell's lower left corner  [29:24] number of segments  [23:0] first segment,
-///        relative to the first segment of the tree; number 63: the next word holds the number
-/// ```
-/// The root of a tree is preceded by one word: the index of the tree's first segment. The root cell is [0, 1]². A point goes left where its
-/// coordinate is below [`split_position`], else right; the left cell keeps `low` and has the size `position − low`, the right cell starts at
-/// the position and has the size `size − (position − low)`, all in f32.
-pub mod trim_node {
-    /// The bit that marks a leaf.
-    pub const LEAF_BIT: u32 = 1 << 31;
-    /// Steps of a split plane across its cell.
-    pub const PLANE_STEPS: u32 = 1 << 14;
-    /// A distance that does not fit.
-    pub const FAR: u32 = 0xffff;
-    /// A number of segments that does not fit.
-    pub const MANY: u32 = 63;
-
-    /// Where `plane` stands in a cell from `low` to `low + size` along its axis; segments are clipped at exactly this number.
-    pub fn split_position(low: f32, size: f32, plane: u32) -> f32 {
-        low + plane as f32 * (1.0 / PLANE_STEPS as f32) * size
-    }
-
-    /// Least coordinate and size, along the split axis, of the left or the right child of a cell that is split at `position`.
-    #[inline(always)]
-    pub fn child_range(low: f32, size: f32, position: f32, is_right: bool) -> (f32, f32) {
-        let left = position - low;
-        if is_right { (position, size - left) } else { (low, left) }
-    }
-
-    /// An unpacked word.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub enum TrimNode {
-        /// A split.
-        Inner {
-            /// 0: u, 1: v.
-            axis: u32,
-            /// In steps of 1 / [`PLANE_STEPS`] of the cell.
-            plane: u32,
-            /// Words from this one to the right child, or [`FAR`].
-            right: u32,
-        },
-        /// A cell.
-        Leaf {
-            /// State of the lower left corner.
-            inside: bool,
-            /// Segments, or [`MANY`].
-            count: u32,
-            /// First segment, relative.
-            first: u32,
-        },
-    }
-
-    /// The word of a node; fields beyond their bits are the caller's mistake.
-    pub const fn pack(node: TrimNode) -> u32 {
-        match node {
-            TrimNode::Inner { axis, plane, right } => {
-                assert!(axis < 2 && plane < PLANE_STEPS && right <= FAR);
-                axis << 30 | plane << 16 | right
-            }
-            TrimNode::Leaf { inside, count, first } => {
-                assert!(count <= MANY && first < 1 << 24);
-                LEAF_BIT | (inside as u32) << 30 | count << 24 | first
-            }
-        }
-    }
-
-    /// The node of a word.
-    pub const fn unpack(word: u32) -> TrimNode {
-        if word & LEAF_BIT == 0 {
-            TrimNode::Inner { axis: word >> 30 & 1, plane: word >> 16 & 0x3fff, right: word & FAR }
-        } else {
-            TrimNode::Leaf { inside: word >> 30 & 1 == 1, count: word >> 24 & 63, first: word & 0xff_ffff }
         }
     }
 }

@@ -16,18 +16,21 @@ mod layout;
 #[cfg(test)]
 mod layout_tests;
 mod metadata;
+mod trim;
 mod trim_method;
 pub mod trim_study;
 mod validate;
 mod validate_study;
 mod validate_trees;
+mod validate_trims;
 
 pub use bytes::section_bytes;
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
-    NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, bend_bound, bend_byte, primitive, trim_node,
+    NO_MATERIAL, Net, NetLeaf, Part, bend_bound, bend_byte, primitive,
 };
 pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
+pub use trim::{Band, TRIM_INSIDE, TrimSegment, trim_word};
 pub use trim_method::{TrimMethod, TrimStructure, UnknownTrimMethod};
 pub use validate::{InvalidScene, validate};
 
@@ -54,9 +57,9 @@ pub struct SceneBuffers {
     pub net_leaves: Vec<NetLeaf>,
     /// Control points of nets, homogeneous, in face space.
     pub net_points: Vec<[f32; 4]>,
-    /// Trim kd-trees, [`trim_node`] words.
+    /// Cells and trees of trims, [`trim_word`] words.
     pub trim_nodes: Vec<u32>,
-    /// Pieces of trim curves inside kd-tree cells.
+    /// Monotone pieces of trim curves.
     pub trim_segments: Vec<TrimSegment>,
     /// Control points of trim curves: `(w·u, w·v, w)`, normalised parameters.
     pub trim_points: Vec<[f32; 3]>,

@@ -1,7 +1,8 @@
 //! Every index, count and bound of a scene, checked once before any kernel relies on them.
 
-use super::validate_trees::{bvh, trim_trees};
-use super::{FaceKind, MAX_DEGREE, NO_MATERIAL, Scene, TrimSegment, primitive};
+use super::validate_trees::bvh;
+use super::validate_trims::trims;
+use super::{FaceKind, MAX_DEGREE, NO_MATERIAL, Scene, primitive};
 
 /// Grid coordinates stay within this, so that their differences are exact.
 const MAX_STEPS: u32 = 1 << 30;
@@ -36,7 +37,6 @@ pub fn validate(scene: &Scene<'_>) -> Result<(), InvalidScene> {
     faces(scene)?;
     nets(scene)?;
     leaves(scene)?;
-    curves(scene)?;
     for (index, material) in scene.materials.iter().enumerate() {
         let channels = [material.rgb[0], material.rgb[1], material.rgb[2], material.opacity];
         let valid = channels.iter().all(|x| (0.0..=1.0).contains(x));
@@ -44,7 +44,7 @@ pub fn validate(scene: &Scene<'_>) -> Result<(), InvalidScene> {
     }
     doubles(scene)?;
     bvh(scene)?;
-    trim_trees(scene)
+    trims(scene)
 }
 
 fn header(scene: &Scene<'_>) -> Check {
@@ -162,26 +162,6 @@ fn leaves(scene: &Scene<'_>) -> Check {
             primitive::Primitive::NetLeaf(leaf) => (leaf as usize) < scene.net_leaves.len(),
         };
         require(valid, "primitives", index, "no such face or leaf")?;
-    }
-    Ok(())
-}
-
-fn curves(scene: &Scene<'_>) -> Check {
-    for (index, segment) in scene.trim_segments.iter().enumerate() {
-        let check = |condition, reason| require(condition, "trim_segments", index, reason);
-        let unit = |x: &f32| (0.0..=1.0).contains(x);
-        let numbers = [&segment.low[..], &segment.high, &[segment.t_low, segment.t_high]];
-        check(numbers.iter().all(|group| group.iter().all(unit)), "a number is outside of 0..=1")?;
-        check(segment.low[1] <= segment.high[1], "its ends are in the wrong order")?;
-        let degree = segment.flags & TrimSegment::DEGREE_MASK;
-        check(degree == 1 || degree <= scene.header.max_trim_degree, "its degree is out of range")?;
-        check(degree >= 1, "its degree is out of range")?;
-        let end = segment.curve as usize + degree as usize + 1;
-        check(degree == 1 || end <= scene.trim_points.len(), "no such points")?;
-    }
-    for (index, point) in scene.trim_points.iter().enumerate() {
-        let valid = point.iter().all(|x| x.is_finite()) && point[2] > 0.0;
-        require(valid, "trim_points", index, "it is not finite or its weight is not positive")?;
     }
     Ok(())
 }

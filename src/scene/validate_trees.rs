@@ -1,12 +1,7 @@
-//! The trees of a scene: every node belongs to one tree, is reached once and comes after its parent.
+//! The BVHs of a scene: every node belongs to one tree, is reached once and comes after its parent.
 
-use super::trim_node::{self, TrimNode};
 use super::validate::{Check, require};
-use super::validate_study::structures;
-use super::{BvhNode, MAX_TREE_DEPTH, Scene, TRIM_INSIDE, TrimMethod};
-
-/// Levels of a trim tree at most.
-const MAX_TRIM_DEPTH: u32 = 25;
+use super::{BvhNode, MAX_TREE_DEPTH, Scene};
 
 /// A BVH's ranges.
 struct Tree {
@@ -103,75 +98,4 @@ fn slots_are_consistent(node: &BvhNode) -> bool {
             meta == 0 || !is_inner(meta) && matches!(meta >> 5, 0b001 | 0b011 | 0b111)
         }
     })
-}
-
-/// Checks the trim trees of faces and leaves.
-pub(super) fn trim_trees(scene: &Scene<'_>) -> Check {
-    let method = TrimMethod::from_number(scene.header.trim_method);
-    let mut visited = vec![false; scene.trim_nodes.len()];
-    match method {
-        None => require(false, "header", 0, "no such trim method")?,
-        Some(TrimMethod::PACKED) => packed(scene, &mut visited)?,
-        Some(method) => structures(scene, method)?,
-    }
-    for (index, leaf) in scene.net_leaves.iter().enumerate() {
-        let face = &scene.faces[scene.nets[leaf.net as usize].face as usize];
-        let valid = leaf.trim == TRIM_INSIDE || leaf.trim == face.trim_root;
-        require(valid, "net_leaves", index, "its trim tree is not its face's")?;
-    }
-    Ok(())
-}
-
-/// Checks the trees of the default method.
-fn packed(scene: &Scene<'_>, visited: &mut [bool]) -> Check {
-    for (index, face) in scene.faces.iter().enumerate() {
-        if face.trim_root != TRIM_INSIDE {
-            require(trim_tree(scene, face.trim_root as usize, visited), "faces", index, "no such trim tree")?;
-        }
-    }
-    Ok(())
-}
-
-/// Whether a whole tree, none of it seen before, hangs from `root`.
-fn trim_tree(scene: &Scene<'_>, root: usize, visited: &mut [bool]) -> bool {
-    let words = scene.trim_nodes;
-    if root == 0 || root >= words.len() || std::mem::replace(&mut visited[root - 1], true) {
-        return false;
-    }
-    let base = words[root - 1] as usize;
-    let mut open = vec![(root, 1)];
-    while let Some((at, depth)) = open.pop() {
-        if at >= words.len() || depth > MAX_TRIM_DEPTH || std::mem::replace(&mut visited[at], true) {
-            return false;
-        }
-        let mut extra = || {
-            let seen = visited.get_mut(at + 1)?;
-            (!std::mem::replace(seen, true)).then(|| words[at + 1] as usize)
-        };
-        match trim_node::unpack(words[at]) {
-            TrimNode::Inner { right, .. } => {
-                let is_far = right == trim_node::FAR;
-                let Some(distance) = (if is_far { extra() } else { Some(right as usize) }) else {
-                    return false;
-                };
-                let left = at + if is_far { 2 } else { 1 };
-                let right = at + distance;
-                if right <= left {
-                    return false;
-                }
-                open.push((right, depth + 1));
-                open.push((left, depth + 1));
-            }
-            TrimNode::Leaf { count, first, .. } => {
-                let Some(count) = (if count == trim_node::MANY { extra() } else { Some(count as usize) })
-                else {
-                    return false;
-                };
-                if base + first as usize + count > scene.trim_segments.len() {
-                    return false;
-                }
-            }
-        }
-    }
-    true
 }

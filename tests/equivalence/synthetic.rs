@@ -6,8 +6,8 @@ use std::f32::consts::{PI, TAU};
 use std::time::Duration;
 use trimray::scene::primitive::{Primitive, pack};
 use trimray::scene::{
-    BodyInfo, BvhNode, Face, FaceInfo, FaceKind, Instance, InstanceInfo, Material, NO_MATERIAL, Net, NetLeaf,
-    Part, SceneBuffers, TRIM_INSIDE, TrimSegment, trim_node,
+    Band, BodyInfo, BvhNode, Face, FaceInfo, FaceKind, Instance, InstanceInfo, Material, NO_MATERIAL, Net,
+    NetLeaf, Part, SceneBuffers, TRIM_INSIDE, TrimSegment, trim_word,
 };
 
 const GRID_STEP: f64 = 1.0 / 1024.0;
@@ -114,32 +114,35 @@ fn instance(turn: DMat3, origin: DVec3, radius: f32) -> Instance {
     }
 }
 
-/// A trim tree of one cell: inside but for an ellipse around the middle, four rational quadratic quarters.
+/// Trims of one cell: inside but for an ellipse around the middle, four rational quadratic quarters.
 fn push_hole(scene: &mut SceneBuffers) -> u32 {
     let (center, radii) = ([0.45_f32, 0.55_f32], [0.22_f32, 0.3_f32]);
     let at = |x: f32, y: f32, w: f32| [w * (center[0] + radii[0] * x), w * (center[1] + radii[1] * y), w];
     let corner = std::f32::consts::FRAC_1_SQRT_2;
-    for (x, y) in [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-        let curve = scene.trim_points.len() as u32;
+    let list = trim_word::pack(trim_word::TrimWord::List { offset: 4 });
+    scene.trim_nodes = vec![trim_word::grid([0, 0]), 0, 0, list, trim_word::list_head(true, 4)];
+    for (index, (x, y)) in [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().enumerate() {
+        let first_point = scene.trim_points.len() as u32;
         let (bottom, side, top) = if y < 0.0 {
             (at(0.0, y, 1.0), at(x, y, corner), at(x, 0.0, 1.0))
         } else {
             (at(x, 0.0, 1.0), at(x, y, corner), at(0.0, y, 1.0))
         };
         scene.trim_points.extend([bottom, side, top]);
+        // In its chord's frame a quarter of a circle is 1 − √(1 − x²), or the same turned: the cubic is nowhere off by 0.1.
+        let bulge = if y < 0.0 { -0.33 } else { 0.33 };
+        let skew = if y < 0.0 { -0.2 } else { -0.2 };
+        let band = Band { bulge, skew, by_v: false, half_width: 0.1 }.pack();
+        let curve = TrimSegment::curve_word(2, false, first_point).expect("small numbers");
         scene.trim_segments.push(TrimSegment {
             low: [bottom[0], bottom[1]],
             high: [top[0], top[1]],
-            t_low: 0.0,
-            t_high: 1.0,
+            band,
             curve,
-            flags: 2,
         });
+        scene.trim_nodes.push(trim_word::list_entry(0, index as u32));
     }
-    let leaf = trim_node::pack(trim_node::TrimNode::Leaf { inside: true, count: 4, first: 0 });
-    // The word before the root: the tree's first segment.
-    scene.trim_nodes = vec![0, leaf];
-    1
+    0
 }
 
 fn push_analytic(

@@ -31,6 +31,7 @@ mod slab;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
+mod trim_curve;
 pub(super) mod trim_study;
 pub(super) mod vector;
 
@@ -46,8 +47,8 @@ pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
 pub use self::render::render;
-pub use self::trim::trim_inside;
-pub use self::trim_study::{TrimCounts, trim_counted};
+pub use self::trim::{trim_counted, trim_inside};
+pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;
 
 /// Which number type the kernels compute in.

@@ -7,8 +7,9 @@
 use super::NO_NET;
 use super::ray_space::{Distance, prepare};
 use super::trace::{RawHit, comes_before, face_parameters, trace};
+use super::trim::trim_counted;
 use super::trim::trim_inside;
-use super::trim_study::{TrimCounts, trim_counted};
+use super::trim_study::TrimCounts;
 use crate::render::{Exactness, Ray};
 use crate::scene::{Face, NetLeaf, Scene, TRIM_INSIDE};
 use rayon::prelude::*;

@@ -1,22 +1,20 @@
-//! Whether a point of a face's parameter rectangle belongs to the face: a walk down the kd-tree, then the segments of one cell.
+//! Whether a point of a face's parameter rectangle belongs to the face: one cell of the grid, or of a kd-tree below it, and the segments of that cell.
 //!
-//! The layout and the parity rule are those of [`crate::scene::trim_node`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
-//! between its ends decides most points; the others bisect the curve (Schollmeyer and Fröhlich 2009), each evaluation shrinking the box.
+//! The layout and the parity rule are those of [`crate::scene::trim_word`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
+//! between its ends decides points beside it, and its band nearly all others; what is left needs the curve (`trim_curve`).
 
+use super::trim_curve::is_right_of_curve;
 use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
-use crate::scene::trim_node::{FAR, MANY, TrimNode, child_range, split_position, unpack};
 use crate::scene::trim_study::BEFORE_ONE;
-use crate::scene::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
+use crate::scene::trim_word::{FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack};
+use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
-/// Bisections of a curve piece: enough for f64's 52 bits.
-const MAX_BISECTIONS: usize = 52;
+/// Levels of a kd-tree: planes lie on a grid of 14 bits per axis.
+const MAX_LEVELS: usize = 32;
 
-/// Levels of a trim tree: each takes at least a word, and planes lie on a grid of 14 bits per axis and level.
-const MAX_LEVELS: usize = 64;
-
-/// What the trim tree says of a point.
+/// What the trims say of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TrimPoint {
     /// Whether the point is inside.
@@ -25,266 +23,308 @@ pub struct TrimPoint {
     pub is_near: bool,
 }
 
-/// Whether `uv`, normalised and within the window, is inside the trims of the tree at `root`.
+/// Whether `uv`, normalised and within the window, is inside the trims at `root`.
+#[inline]
 pub fn trim_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
-    trim_point(scene, root, uv, [-T::ONE; 2]).inside
+    trim::<T, false, false>(scene, root, uv, [T::ZERO; 2], &mut TrimCounts::default()).inside
 }
 
-/// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve; where the extent is negative it never does.
+/// [`trim_inside`], counting.
+pub fn trim_counted<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+    counts.queries += 1;
+    trim::<T, false, true>(scene, root, uv, [T::ZERO; 2], counts).inside
+}
+
+/// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve; the methods of the study do not know what is near.
 pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
+    trim::<T, true, false>(scene, root, uv, extent, &mut TrimCounts::default())
+}
+
+/// The query by the scene's method; nearness only where `NEAR`, counts only where `COUNT`.
+#[inline(always)]
+fn trim<T: Real, const NEAR: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    counts: &mut TrimCounts,
+) -> TrimPoint {
     if root == TRIM_INSIDE {
         return TrimPoint { inside: true, is_near: false };
     }
     if scene.header.trim_method != TrimMethod::PACKED.number() {
-        let inside = TrimMethod::from_number(scene.header.trim_method).is_some_and(|method| {
-            study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default())
-        });
+        let inside = TrimMethod::from_number(scene.header.trim_method)
+            .is_some_and(|method| study_inside::<T, COUNT>(scene, method, root, uv, counts));
         return TrimPoint { inside, is_near: false };
     }
     // Pieces along the window's far borders are in no cell: a point on them is decided just before.
-    let uv = uv.map(|x| x.min(T::from_f32(BEFORE_ONE)));
-    let mut node = root as usize;
-    let mut low = [0.0_f32; 2];
-    let mut size = [1.0_f32; 2];
+    let uv = [uv[0].min(T::from_f32(BEFORE_ONE)), uv[1].min(T::from_f32(BEFORE_ONE))];
+    let query = Query::<T, NEAR, COUNT> { scene, root: root as usize, uv, extent };
     let mut is_near = false;
-    for _ in 0..MAX_LEVELS {
-        match unpack(scene.trim_nodes[node]) {
-            TrimNode::Inner { axis, plane, right } => {
-                let axis = axis as usize;
-                let split = split_position(low[axis], size[axis], plane);
-                let far = right == FAR;
-                let beyond = uv[axis] - T::from_f32(split);
-                is_near |= beyond.abs() <= extent[axis];
-                let is_right = !(beyond < T::ZERO);
-                (low[axis], size[axis]) = child_range(low[axis], size[axis], split, is_right);
-                node += match (is_right, far) {
-                    (false, false) => 1,
-                    (false, true) => 2,
-                    (true, false) => right as usize,
-                    (true, true) => scene.trim_nodes[node + 1] as usize,
-                };
+    let inside = query.inside(&mut is_near, counts);
+    TrimPoint { inside, is_near }
+}
+
+/// A point asked of a face's trims.
+struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
+    scene: &'a Scene<'a>,
+    root: usize,
+    uv: [T; 2],
+    extent: [T; 2],
+}
+
+impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
+    #[inline(always)]
+    fn inside(&self, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
+        match self.cell(is_near, counts) {
+            TrimWord::Uniform { inside } => inside,
+            TrimWord::One { corner, toggles, segment } => {
+                corner ^ self.flips(toggles, segment, is_near, counts)
             }
-            TrimNode::Leaf { inside, count, first } => {
-                let base = scene.trim_nodes[root as usize - 1] + first;
-                let count = if count == MANY { scene.trim_nodes[node + 1] } else { count };
-                let inside = leaf_parity(scene, inside, base, count, uv, extent, &mut is_near);
-                return TrimPoint { inside, is_near };
+            TrimWord::List { offset } => {
+                let at = self.root + offset as usize;
+                let head = self.scene.trim_nodes[at];
+                let entries = &self.scene.trim_nodes[at + 1..at + 1 + (head & !(1 << 31)) as usize];
+                entries.iter().fold(head >> 31 == 1, |state, entry| {
+                    state ^ self.flips(entry >> 30, entry & MAX_SEGMENT, is_near, counts)
+                })
+            }
+            TrimWord::Inner { .. } | TrimWord::Tree { .. } => {
+                *is_near = true;
+                false
             }
         }
     }
-    TrimPoint { inside: false, is_near: true }
-}
 
-fn leaf_parity<T: Real>(
-    scene: &Scene<'_>,
-    corner: bool,
-    first: u32,
-    count: u32,
-    uv: [T; 2],
-    extent: [T; 2],
-    is_near: &mut bool,
-) -> bool {
-    let mut inside = corner;
-    for index in first..first + count {
-        let segment = &scene.trim_segments[index as usize];
-        inside ^= crosses(scene, segment, uv, extent, is_near) != crosses_left_edge(segment, uv[1]);
-    }
-    inside
-}
-
-/// Whether the way along the cell's left edge up to `v` passes an odd number of the segment's ends.
-#[inline]
-fn crosses_left_edge<T: Real>(segment: &TrimSegment, v: T) -> bool {
-    let low = segment.flags & TrimSegment::LOW_ON_LEFT_EDGE != 0 && v >= T::from_f32(segment.low[1]);
-    let high = segment.flags & TrimSegment::HIGH_ON_LEFT_EDGE != 0 && v >= T::from_f32(segment.high[1]);
-    low != high
-}
-
-/// Whether the segment passes left of the point, at the point's v. Sets `is_near` where it passes the box `uv ± extent`.
-///
-/// A monotone segment misses the box where the corner that it would meet first from its left, or from its right, is on the other side of it.
-#[inline]
-fn crosses<T: Real>(
-    scene: &Scene<'_>,
-    segment: &TrimSegment,
-    uv: [T; 2],
-    extent: [T; 2],
-    is_near: &mut bool,
-) -> bool {
-    let low = segment.low.map(T::from_f32);
-    let high = segment.high.map(T::from_f32);
-    let at_height = uv[1] >= low[1] && uv[1] < high[1];
-    let reach = extent.map(|e| e.max(T::ZERO));
-    if uv[1] + reach[1] < low[1] || uv[1] - reach[1] > high[1] {
-        return false;
-    }
-    if uv[0] - reach[0] >= low[0].max(high[0]) {
-        return at_height;
-    }
-    if uv[0] + reach[0] < low[0].min(high[0]) {
-        return false;
-    }
-    if !(extent[0] >= T::ZERO) {
-        return at_height && is_right(scene, segment, uv);
-    }
-    let up = if high[0] >= low[0] { reach[1] } else { -reach[1] };
-    if low[1] < high[1] {
-        if is_right(scene, segment, [uv[0] - reach[0], uv[1] + up]) {
-            return at_height;
+    /// The cell that the point lies in.
+    #[inline(always)]
+    fn cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> TrimWord {
+        let words = self.scene.trim_nodes;
+        let levels = grid_levels(words[self.root]);
+        let mut index = [0; 2];
+        for axis in 0..2 {
+            let cells = 1_u32 << levels[axis];
+            let scale = T::from_f32(cells as f32);
+            let scaled = self.uv[axis] * scale;
+            index[axis] = scaled.to_u32().min(cells - 1);
+            if NEAR {
+                let within = scaled - T::from_f32(index[axis] as f32);
+                let reach = self.extent[axis] * scale;
+                *is_near |= within <= reach || T::ONE - within <= reach;
+            }
         }
-        if !is_right(scene, segment, [uv[0] + reach[0], uv[1] - up]) {
+        if COUNT {
+            counts.steps += 1;
+        }
+        let mut word =
+            unpack(words[self.root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize]);
+        let TrimWord::Tree { offset } = word else { return word };
+        let mut at = self.root + offset as usize;
+        word = unpack(words[at]);
+        for _ in 0..MAX_LEVELS {
+            if COUNT {
+                counts.steps += 1;
+            }
+            let TrimWord::Inner { axis, plane, right } = word else { break };
+            let axis = axis as usize;
+            let beyond = self.uv[axis] - T::from_f32(position(plane));
+            if NEAR {
+                *is_near |= beyond.abs() <= self.extent[axis];
+            }
+            let is_right = !(beyond < T::ZERO);
+            at += if right == FAR {
+                if is_right { words[at + 1] as usize } else { 2 }
+            } else if is_right {
+                right as usize
+            } else {
+                1
+            };
+            word = unpack(words[at]);
+        }
+        word
+    }
+
+    /// Whether a segment of a cell flips the state of the cell's corner; sets `is_near` where it passes the box around the point.
+    #[inline(always)]
+    fn flips(&self, toggles: u32, segment: u32, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
+        let first = self.scene.trim_nodes[self.root + 1];
+        let segment = &self.scene.trim_segments[(first + segment) as usize];
+        let v = self.uv[1];
+        let at_height = (v >= T::from_f32(segment.low[1])) & (v < T::from_f32(segment.high[1]));
+        let crosses = if NEAR {
+            self.crosses_near(segment, at_height, is_near, counts)
+        } else {
+            at_height && self.is_right(segment, self.uv, counts)
+        };
+        if toggles == 0 {
+            return crosses;
+        }
+        let passed = |bit: u32, end: [f32; 2]| (toggles & bit != 0) & (v >= T::from_f32(end[1]));
+        crosses ^ passed(1, segment.low) ^ passed(2, segment.high)
+    }
+
+    /// Whether the segment passes left of the point at the point's height; a monotone segment misses the box `uv ± extent` where the corner that it
+    /// would meet first from its left, or from its right, is on the other side of it.
+    fn crosses_near(
+        &self,
+        segment: &TrimSegment,
+        at_height: bool,
+        is_near: &mut bool,
+        counts: &mut TrimCounts,
+    ) -> bool {
+        let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
+        let (uv, extent) = (self.uv, self.extent);
+        if uv[1] + extent[1] < low[1] || uv[1] - extent[1] > high[1] {
             return false;
         }
-    }
-    *is_near = true;
-    at_height && is_right(scene, segment, uv)
-}
-
-/// Whether the segment, which rises, passes left of the point at the point's v, or at its own end that is nearest to that.
-fn is_right<T: Real>(scene: &Scene<'_>, segment: &TrimSegment, uv: [T; 2]) -> bool {
-    let low = segment.low.map(T::from_f32);
-    let high = segment.high.map(T::from_f32);
-    let v = uv[1].max(low[1]).min(high[1]);
-    let degree = segment.flags & TrimSegment::DEGREE_MASK;
-    if degree <= 1 {
-        return line_at(low, high, v) <= uv[0];
-    }
-    bisect(scene, segment, degree, low, high, [uv[0], v])
-}
-
-/// u of the chord at `v`.
-#[inline(always)]
-fn line_at<T: Real>(low: [T; 2], high: [T; 2], v: T) -> T {
-    low[0] + (high[0] - low[0]) * ((v - low[1]) / (high[1] - low[1]))
-}
-
-fn bisect<T: Real>(
-    scene: &Scene<'_>,
-    segment: &TrimSegment,
-    degree: u32,
-    low: [T; 2],
-    high: [T; 2],
-    uv: [T; 2],
-) -> bool {
-    let (mut low, mut high) = (low, high);
-    let (mut t_low, mut t_high) = (T::from_f32(segment.t_low), T::from_f32(segment.t_high));
-    if uv[0] >= low[0].max(high[0]) || uv[0] < low[0].min(high[0]) {
-        return uv[0] >= low[0].max(high[0]);
-    }
-    for _ in 0..MAX_BISECTIONS {
-        let t = (t_low + t_high) * number(0.5);
-        if t == t_low || t == t_high {
-            break;
+        if uv[0] - extent[0] >= low[0].max(high[0]) {
+            return at_height;
         }
-        let at = curve_point(scene, segment.curve, degree, t);
-        if at[1] <= uv[1] {
-            low = at;
-            t_low = t;
-        } else {
-            high = at;
-            t_high = t;
+        if uv[0] + extent[0] < low[0].min(high[0]) {
+            return false;
         }
+        let up = if high[0] >= low[0] { extent[1] } else { -extent[1] };
+        if low[1] < high[1] {
+            if self.is_right(segment, [uv[0] - extent[0], uv[1] + up], counts) {
+                return at_height;
+            }
+            if !self.is_right(segment, [uv[0] + extent[0], uv[1] - up], counts) {
+                return false;
+            }
+        }
+        *is_near = true;
+        at_height && self.is_right(segment, uv, counts)
+    }
+
+    /// Whether the segment, which is not level, passes left of the point at the point's v, or at its own end that is nearest to that.
+    #[inline(always)]
+    fn is_right(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+        let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
         if uv[0] >= low[0].max(high[0]) {
             return true;
         }
         if uv[0] < low[0].min(high[0]) {
             return false;
         }
+        let v = uv[1].max(low[1]).min(high[1]);
+        let (along_u, along_v) = (high[0] - low[0], high[1] - low[1]);
+        let (u, v_above) = (uv[0] - low[0], v - low[1]);
+        if segment.degree() == 1 {
+            return u * along_v >= v_above * along_u;
+        }
+        let band = Band::unpack(segment.band);
+        let (along, across) = (u / along_u, v_above / along_v);
+        let (along, across) = if band.by_v { (across, along) } else { (along, across) };
+        let above = across - band_middle(&band, along);
+        if above.abs() > T::from_f32(band.half_width) || segment.degree() == 0 {
+            return (above > T::ZERO) == (band.by_v == (along_u > T::ZERO));
+        }
+        if COUNT {
+            counts.exact_tests += 1;
+        }
+        let first_point = self.scene.trim_nodes[self.root + 2];
+        is_right_of_curve(self.scene, segment, first_point, [uv[0], v], &mut counts.evaluations)
     }
-    line_at(low, high, uv[1]) <= uv[0]
 }
 
-/// The point of a rational Bézier curve by Horner's scheme in Bernstein form.
-#[inline]
-pub fn curve_point<T: Real>(scene: &Scene<'_>, first: u32, degree: u32, t: T) -> [T; 2] {
-    let point = |i: u32| scene.trim_points[(first + i) as usize].map(T::from_f32);
-    let s = T::ONE - t;
-    let mut factor = T::ONE;
-    let start = point(0);
-    let mut sum = [start[0] * s, start[1] * s, start[2] * s];
-    for i in 1..degree {
-        // binomial(n, i) tⁱ from the one before.
-        factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
-        let p = point(i);
-        sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
-    }
-    let power = factor * t / T::from_f32(degree as f32);
-    let p = point(degree);
-    let weight = sum[2] + p[2] * power;
-    [(sum[0] + p[0] * power) / weight, (sum[1] + p[1] * power) / weight]
+/// Without `map`, which the compiler does not always inline.
+#[inline(always)]
+fn pair<T: Real>(p: [f32; 2]) -> [T; 2] {
+    [T::from_f32(p[0]), T::from_f32(p[1])]
+}
+
+/// Middle of a band; see [`Band`].
+#[inline(always)]
+fn band_middle<T: Real>(band: &Band, x: T) -> T {
+    let slope = T::from_f32(band.bulge) + T::from_f32(band.skew) * (x + x - T::ONE);
+    x + number::<T>(4.0) * x * (T::ONE - x) * slope
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::SceneBuffers;
-    use crate::scene::trim_node::pack;
+    use crate::scene::trim_word::{grid, list_entry, list_head, pack};
     use std::f32::consts::FRAC_1_SQRT_2;
 
     const CENTER: f32 = 0.5;
     const RADIUS: f32 = 0.4;
 
-    /// The four quarters of a circle, right upper first, counter-clockwise.
-    fn quarters(scene: &mut SceneBuffers) -> Vec<TrimSegment> {
+    /// The four quarters of a circle, right upper first, counter-clockwise; their bands decide nothing.
+    fn quarters(scene: &mut SceneBuffers) {
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0_f32)];
         let place = |(x, y): (f32, f32)| [CENTER + RADIUS * x, CENTER + RADIUS * y];
-        (0..4)
-            .map(|i| {
-                let (from, to) = (corners[i], corners[i + 1]);
-                let curve = scene.trim_points.len() as u32;
-                let [start, end] = [place(from), place(to)];
-                let middle = place((from.0 + to.0, from.1 + to.1)).map(|x| x * FRAC_1_SQRT_2);
-                scene.trim_points.push([start[0], start[1], 1.0]);
-                scene.trim_points.push([middle[0], middle[1], FRAC_1_SQRT_2]);
-                scene.trim_points.push([end[0], end[1], 1.0]);
-                let rising = start[1] < end[1];
-                let (low, high) = if rising { (start, end) } else { (end, start) };
-                let (t_low, t_high) = if rising { (0.0, 1.0) } else { (1.0, 0.0) };
-                TrimSegment { low, high, t_low, t_high, curve, flags: 2 }
-            })
-            .collect()
+        let band = Band::NONE.pack();
+        for i in 0..4 {
+            let (from, to) = (corners[i], corners[i + 1]);
+            let first_point = scene.trim_points.len() as u32;
+            let [start, end] = [place(from), place(to)];
+            let middle = place((from.0 + to.0, from.1 + to.1)).map(|x| x * FRAC_1_SQRT_2);
+            scene.trim_points.push([start[0], start[1], 1.0]);
+            scene.trim_points.push([middle[0], middle[1], FRAC_1_SQRT_2]);
+            scene.trim_points.push([end[0], end[1], 1.0]);
+            let falls = start[1] > end[1];
+            let (low, high) = if falls { (end, start) } else { (start, end) };
+            let curve = TrimSegment::curve_word(2, falls, first_point).expect("small numbers");
+            scene.trim_segments.push(TrimSegment { low, high, band, curve });
+        }
     }
 
-    fn assert_is_the_disc(scene: &SceneBuffers, root: u32) {
+    fn assert_is_the_disc(words: &[u32]) {
+        let mut scene = SceneBuffers::default();
+        quarters(&mut scene);
+        scene.trim_nodes = words.to_vec();
         let scene = scene.scene();
         for i in 0..200 {
             for j in 0..200 {
                 let uv = [(f64::from(i) + 0.31) / 200.0, (f64::from(j) + 0.77) / 200.0];
                 let center = f64::from(CENTER);
                 let gap = (uv[0] - center).hypot(uv[1] - center) - f64::from(RADIUS);
-                assert_eq!(trim_inside(&scene, root, uv), gap < 0.0, "{uv:?}");
+                assert_eq!(trim_inside(&scene, 0, uv), gap < 0.0, "{uv:?}");
                 if gap.abs() > 1e-5 {
-                    assert_eq!(trim_inside(&scene, root, uv.map(|x| x as f32)), gap < 0.0, "{uv:?}");
+                    assert_eq!(trim_inside(&scene, 0, uv.map(|x| x as f32)), gap < 0.0, "{uv:?}");
                 }
+                let near = trim_point(&scene, 0, uv, [1e-3; 2]);
+                assert_eq!(near.inside, gap < 0.0);
+                assert!(near.is_near || gap.abs() > 1e-3, "{uv:?}");
             }
         }
     }
 
     #[test]
     fn one_cell_holds_a_circle() {
-        let mut scene = SceneBuffers::default();
-        scene.trim_segments = quarters(&mut scene);
-        scene.trim_nodes = vec![0, pack(TrimNode::Leaf { inside: false, count: 4, first: 0 })];
-        assert_is_the_disc(&scene, 1);
+        let list = pack(TrimWord::List { offset: 4 });
+        let entries = [0, 1, 2, 3].map(|segment| list_entry(0, segment));
+        assert_is_the_disc(&[&[grid([0, 0]), 0, 0, list, list_head(false, 4)][..], &entries].concat());
+    }
+
+    /// Right of u = ½ the upper quarter falls to the right and toggles at its upper end, the lower one rises and toggles at its lower end.
+    fn right_half(offset: u32) -> [u32; 4] {
+        let list = pack(TrimWord::List { offset });
+        [list, list_head(false, 2), list_entry(2, 0), list_entry(1, 3)]
+    }
+
+    fn left_half(offset: u32) -> [u32; 4] {
+        let list = pack(TrimWord::List { offset });
+        [list, list_head(false, 2), list_entry(0, 1), list_entry(0, 2)]
     }
 
     #[test]
-    fn cells_see_what_leaves_through_their_left_edge() {
-        let mut scene = SceneBuffers::default();
-        let mut segments = quarters(&mut scene);
-        // Right of u = ½: the upper quarter ends on the left edge at its top, the lower one starts there.
-        segments[0].flags |= TrimSegment::HIGH_ON_LEFT_EDGE;
-        segments[3].flags |= TrimSegment::LOW_ON_LEFT_EDGE;
-        scene.trim_segments = vec![segments[1], segments[2], segments[0], segments[3]];
-        // The far form of the distance, and the long form of the count.
-        scene.trim_nodes = vec![
-            0,
-            pack(TrimNode::Inner { axis: 0, plane: 1 << 13, right: FAR }),
-            4,
-            pack(TrimNode::Leaf { inside: false, count: MANY, first: 0 }),
-            2,
-            pack(TrimNode::Leaf { inside: false, count: 2, first: 2 }),
-        ];
-        assert_is_the_disc(&scene, 1);
+    fn cells_of_a_grid_see_what_leaves_through_their_left_edge() {
+        let [left, right] = [left_half(5), right_half(8)];
+        let words = [&[grid([1, 0]), 0, 0, left[0], right[0]][..], &left[1..], &right[1..]].concat();
+        assert_is_the_disc(&words);
+    }
+
+    #[test]
+    fn cells_of_a_tree_do_too_at_any_distance() {
+        for is_far in [false, true] {
+            let tree = pack(TrimWord::Tree { offset: 4 });
+            let inner = |right: u32| pack(TrimWord::Inner { axis: 0, plane: 1 << 13, right });
+            let header = [grid([0, 0]), 0, 0, tree];
+            let inner = if is_far { vec![inner(FAR), 6] } else { vec![inner(5)] };
+            let at = (header.len() + inner.len()) as u32;
+            assert_is_the_disc(&[&header[..], &inner, &left_half(at + 1), &right_half(at + 5)].concat());
+        }
     }
 }

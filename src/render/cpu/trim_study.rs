@@ -4,14 +4,13 @@
 //! where the method has parallel boxing (Sloup and Havran 2021, eqs. 6 and 7); what is left bisects the curve (Schollmeyer and Fröhlich 2009, section 3.2), lines
 //! like any other, as both papers do. These methods know nothing of what is near.
 
-use super::trim::trim_inside;
 use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::{
     BEFORE_ONE, HIGH_IS_LEFT, KD_HEADER, LOW_IS_LEFT, MANY_CURVES, ODD_BIT, PARITY_BIT, PLACES, RECORD_WORDS,
     SLAB_STEPS, STUDY_LEAF, unpack_slab,
 };
-use crate::scene::{Scene, TRIM_INSIDE, TrimMethod, TrimStructure};
+use crate::scene::{Scene, TrimMethod, TrimStructure};
 use std::ops::AddAssign;
 
 /// Bisections of a curve: enough for f64's 52 bits.
@@ -36,17 +35,6 @@ impl AddAssign for TrimCounts {
         self.steps += other.steps;
         self.exact_tests += other.exact_tests;
         self.evaluations += other.evaluations;
-    }
-}
-
-/// [`trim_inside`], counting.
-pub fn trim_counted<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], counts: &mut TrimCounts) -> bool {
-    counts.queries += 1;
-    match TrimMethod::from_number(scene.header.trim_method) {
-        Some(method) if method != TrimMethod::PACKED && root != TRIM_INSIDE => {
-            study_inside::<T, true>(scene, method, root, uv, counts)
-        }
-        _ => trim_inside(scene, root, uv),
     }
 }
 

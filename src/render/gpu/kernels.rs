@@ -10,8 +10,8 @@ use crate::render::Exactness;
 use crate::render::cpu::light;
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::scene::{
-    Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod, TrimSegment,
-    TrimStructure, primitive, trim_node, trim_study,
+    Band, Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
+    TrimSegment, TrimStructure, primitive, trim_study, trim_word,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -67,7 +67,7 @@ impl Entry {
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 19] = [
+pub const FUNCTION_FILES: [(&str, &str); 20] = [
     ("elementary", include_str!("../../../shaders/elementary.wgsl")),
     ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
@@ -81,6 +81,7 @@ pub const FUNCTION_FILES: [(&str, &str); 19] = [
     ("footprint", include_str!("../../../shaders/footprint.wgsl")),
     ("net", include_str!("../../../shaders/net.wgsl")),
     ("trim", include_str!("../../../shaders/trim.wgsl")),
+    ("trim_curve", include_str!("../../../shaders/trim_curve.wgsl")),
     ("trim_study", include_str!("../../../shaders/trim_study.wgsl")),
     ("cover", include_str!("../../../shaders/cover.wgsl")),
     ("trace", include_str!("../../../shaders/trace.wgsl")),
@@ -183,7 +184,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 37] = [
+    let words: [(&str, u32); 39] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
         ("CHUNKS", specialisation.net_chunks),
@@ -192,13 +193,15 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("NO_MATERIAL", NO_MATERIAL),
         ("TRIM_INSIDE", TRIM_INSIDE),
         ("NET_LEAF_BIT", primitive::NET_LEAF_BIT),
-        ("LOW_ON_LEFT_EDGE", TrimSegment::LOW_ON_LEFT_EDGE),
-        ("HIGH_ON_LEFT_EDGE", TrimSegment::HIGH_ON_LEFT_EDGE),
-        ("DEGREE_MASK", TrimSegment::DEGREE_MASK),
-        ("LEAF_BIT", trim_node::LEAF_BIT),
-        ("PLANE_STEPS", trim_node::PLANE_STEPS),
-        ("FAR", trim_node::FAR),
-        ("MANY", trim_node::MANY),
+        ("FALLS", TrimSegment::FALLS),
+        ("POINT_MASK", TrimSegment::POINT_MASK),
+        ("HEADER_WORDS", trim_word::HEADER_WORDS as u32),
+        ("PLANE_STEPS", trim_word::PLANE_STEPS),
+        ("FAR", trim_word::FAR),
+        ("MAX_SEGMENT", trim_word::MAX_SEGMENT),
+        ("MAX_OFFSET", trim_word::MAX_OFFSET),
+        ("WIDTH_BIAS", Band::WIDTH_BIAS),
+        ("BY_V", Band::BY_V),
         ("INCOMPLETE", INCOMPLETE),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
         ("FAST", Exactness::Fast as u32),
@@ -228,6 +231,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         let _ = writeln!(text, "const {name}: u32 = {value}u;");
     }
     let numbers = [
+        ("BULGE_STEPS", Band::BULGE_STEPS),
+        ("SKEW_STEPS", Band::SKEW_STEPS),
         ("AMBIENT_WEIGHT", light::AMBIENT_WEIGHT),
         ("GLOSS", light::GLOSS),
         ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
