@@ -146,8 +146,8 @@ mod tests {
         let methods: Vec<TrimMethod> = TrimMethod::all().collect();
         let found = check_methods(&mut scene, &regions, &methods, count).expect("all methods hold it");
         let name = path.display();
-        // Points beside curves begin where the band ends: rounding and neighbours take some of them.
-        assert!(found.judged * 100 > found.points * 90, "{name}: {} of {}", found.judged, found.points);
+        // Points beside curves along the window's borders are held to the window, so half of these lie on the curves.
+        assert!(found.judged * 4 > found.points * 3, "{name}: {} of {}", found.judged, found.points);
         let wrong: Vec<_> = found.methods.iter().filter(|method| method.wrong > 0).collect();
         assert!(wrong.is_empty(), "{name}: {wrong:?}");
     }
