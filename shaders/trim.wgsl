@@ -132,7 +132,9 @@ fn is_right(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     let x = select(at.x / size.x, at.y / size.y, by_v);
     let size_y = select(size.y, size.x, by_v);
     let beyond = select(at.y, at.x, by_v) - size_y * band_middle(segment.band, min(max(x, 0.0), 1.0));
-    if abs(beyond) > abs(size_y) * band_half_width(segment.band) || (segment.curve >> 27u) == 0u {
+    let width = segment.band & 0xffu;
+    let half_width = select(bitcast<f32>((width + WIDTH_BIAS) << 20u), 3.0e38, width == 255u);
+    if abs(beyond) > abs(size_y) * half_width || (segment.curve >> 27u) == 0u {
         return (beyond > 0.0) == (by_v || size.x < 0.0);
     }
     return is_right_of_segment(root, segment, uv);
@@ -157,9 +159,4 @@ fn band_middle(band: u32, x: f32) -> f32 {
     let bulge = f32(i32(band) >> 19u) * (1.0 / BULGE_STEPS);
     let skew = f32(i32(band << 13u) >> 22u) * (1.0 / SKEW_STEPS);
     return x + 4.0 * x * (1.0 - x) * (bulge + skew * (x + x - 1.0));
-}
-
-fn band_half_width(band: u32) -> f32 {
-    let width = band & 0xffu;
-    return select(bitcast<f32>((width + WIDTH_BIAS) << 20u), 3.0e38, width == 255u);
 }

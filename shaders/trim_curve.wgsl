@@ -1,6 +1,6 @@
 // Which side of a monotone piece of a rational Bézier curve a point lies on; the twin of render/cpu/trim_curve.rs.
 
-const MAX_STEPS: u32 = 104u;
+const MAX_CURVE_STEPS: u32 = 104u;
 
 fn is_right_of_curve(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     let degree = segment.curve >> 27u;
@@ -13,7 +13,7 @@ fn is_right_of_curve(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     var t_high = 1.0 - t_low;
     var v_low = control_point(first, degree, is_rational, select(0u, degree, falls)).y;
     var v_high = control_point(first, degree, is_rational, select(degree, 0u, falls)).y;
-    for (var step = 0u; step < MAX_STEPS; step++) {
+    for (var step = 0u; step < MAX_CURVE_STEPS; step++) {
         let middle = (t_low + t_high) * 0.5;
         if middle == t_low || middle == t_high {
             break;

@@ -184,7 +184,7 @@ fn bisect_element(root: u32, place: u32, uv: vec2<f32>) -> bool {
         if t == t_low || t == t_high {
             break;
         }
-        let at = curve_point(curve, degree, t);
+        let at = element_point(curve, degree, t);
         if at.y <= uv.y {
             low = at;
             t_low = t;
@@ -200,4 +200,21 @@ fn bisect_element(root: u32, place: u32, uv: vec2<f32>) -> bool {
         }
     }
     return low.x + (high.x - low.x) * ((uv.y - low.y) / (high.y - low.y)) <= uv.x;
+}
+
+fn element_point(first: u32, degree: u32, t: f32) -> vec2<f32> {
+    let s = 1.0 - t;
+    var factor = 1.0;
+    var sum = element_control(first) * s;
+    for (var i = 1u; i < degree; i++) {
+        factor = factor * t * (f32(degree + 1u - i) / f32(i));
+        sum = (sum + element_control(first + i) * factor) * s;
+    }
+    let power = factor * t / f32(degree);
+    let end = sum + element_control(first + degree) * power;
+    return end.xy / end.z;
+}
+
+fn element_control(index: u32) -> vec3<f32> {
+    return vec3<f32>(trim_points[3u * index], trim_points[3u * index + 1u], trim_points[3u * index + 2u]);
 }

@@ -76,7 +76,7 @@ struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
 impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     #[inline(always)]
     fn inside(&self, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
-        match self.cell(is_near, counts) {
+        match self.trim_cell(is_near, counts) {
             TrimWord::Uniform { inside } => inside,
             TrimWord::One { corner, toggles, segment } => {
                 corner ^ self.flips(toggles, segment, is_near, counts)
@@ -98,7 +98,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
 
     /// The cell that the point lies in.
     #[inline(always)]
-    fn cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> TrimWord {
+    fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> TrimWord {
         let words = self.scene.trim_nodes;
         let levels = grid_levels(words[self.root]);
         let mut index = [0; 2];
@@ -152,7 +152,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         let v = self.uv[1];
         let at_height = (v >= T::from_f32(segment.low[1])) & (v < T::from_f32(segment.high[1]));
         let crosses = if NEAR {
-            self.crosses_near(segment, at_height, is_near, counts)
+            self.crosses(segment, at_height, is_near, counts)
         } else {
             at_height && self.is_right(segment, self.uv, counts)
         };
@@ -165,7 +165,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
 
     /// Whether the segment passes left of the point at the point's height; a monotone segment misses the box `uv ± extent` where the corner that it
     /// would meet first from its left, or from its right, is on the other side of it.
-    fn crosses_near(
+    fn crosses(
         &self,
         segment: &TrimSegment,
         at_height: bool,
@@ -212,14 +212,14 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         if is_decided {
             (beyond > T::ZERO) == (band.by_v || size[0] < T::ZERO)
         } else {
-            self.is_right_of_curve(segment, uv, counts)
+            self.is_right_of_segment(segment, uv, counts)
         }
     }
 
     /// [`Self::is_right`] by the segment itself.
     #[cold]
     #[inline(never)]
-    fn is_right_of_curve(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+    fn is_right_of_segment(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
         let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
         if uv[0] >= low[0].max(high[0]) {
             return true;

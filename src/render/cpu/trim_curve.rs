@@ -5,7 +5,7 @@ use crate::numeric::Real;
 use crate::scene::TrimSegment;
 
 /// Steps of the search: bisections enough for f64's 52 bits, and as many secant steps between.
-const MAX_STEPS: usize = 104;
+const MAX_CURVE_STEPS: usize = 104;
 
 /// Whether the curve of `segment`, of degree 2 or more, passes left of `uv`, whose v lies between the segment's ends.
 ///
@@ -30,7 +30,7 @@ pub fn is_right_of_curve<T: Real>(
     let (mut t_low, mut t_high) = if falls { (T::ONE, T::ZERO) } else { (T::ZERO, T::ONE) };
     let end = |is_last: bool| curve.control_point::<T>(if is_last { curve.degree } else { 0 })[1];
     let (mut v_low, mut v_high) = (end(falls), end(!falls));
-    for step in 0..MAX_STEPS {
+    for step in 0..MAX_CURVE_STEPS {
         let middle = (t_low + t_high) * number(0.5);
         if middle == t_low || middle == t_high {
             break;

@@ -50,7 +50,7 @@ pub fn study_inside<T: Real, const COUNT: bool>(
     let mut query = Query::<T, COUNT> {
         words: &scene.trim_nodes[root..],
         points: scene.trim_points,
-        uv: uv.map(|x| x.min(T::from_f32(BEFORE_ONE))),
+        uv: [uv[0].min(T::from_f32(BEFORE_ONE)), uv[1].min(T::from_f32(BEFORE_ONE))],
         has_boxing: method.has_boxing(),
         counts,
     };
@@ -217,7 +217,8 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
         let longer = diagonal[0].abs().max(diagonal[1]);
         let step = longer * longer * T::from_f32(1.0 / SLAB_STEPS);
         let distance = (u - low[0]) * diagonal[1] - (v - low[1]) * diagonal[0];
-        let [left, right] = unpack_slab(self.words[place + 6]).map(|steps| T::from_f32(steps as f32));
+        let [left, right] = unpack_slab(self.words[place + 6]);
+        let (left, right) = (T::from_f32(left as f32), T::from_f32(right as f32));
         if distance > right * step {
             return Some(true);
         }
@@ -259,19 +260,25 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
 
     /// The point of a rational Bézier curve by Horner's scheme in Bernstein form.
     fn element_point(&self, first: u32, degree: u32, t: T) -> [T; 2] {
-        let point = |i: u32| self.points[(first + i) as usize].map(T::from_f32);
         let s = T::ONE - t;
         let mut factor = T::ONE;
-        let mut sum = point(0).map(|x| x * s);
+        let start = self.element_control(first);
+        let mut sum = [start[0] * s, start[1] * s, start[2] * s];
         for i in 1..degree {
             // binomial(n, i) tⁱ from the one before.
             factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
-            let p = point(i);
-            sum = [0, 1, 2].map(|k| (sum[k] + p[k] * factor) * s);
+            let p = self.element_control(first + i);
+            sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
         }
         let power = factor * t / T::from_f32(degree as f32);
-        let end = point(degree);
+        let end = self.element_control(first + degree);
         let weight = sum[2] + end[2] * power;
         [(sum[0] + end[0] * power) / weight, (sum[1] + end[1] * power) / weight]
+    }
+
+    #[inline(always)]
+    fn element_control(&self, index: u32) -> [T; 3] {
+        let [u, v, w] = self.points[index as usize];
+        [T::from_f32(u), T::from_f32(v), T::from_f32(w)]
     }
 }
