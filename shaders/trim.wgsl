@@ -134,21 +134,26 @@ fn is_right(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
     let beyond = select(at.y, at.x, by_v) - size_y * band_middle(segment.band, min(max(x, 0.0), 1.0));
     let width = segment.band & 0xffu;
     let half_width = select(bitcast<f32>((width + WIDTH_BIAS) << 20u), 3.0e38, width == 255u);
-    if abs(beyond) > abs(size_y) * half_width || (segment.curve >> 27u) == 0u {
-        return (beyond > 0.0) == (by_v || size.x < 0.0);
+    let by_band = (beyond > 0.0) == (by_v || size.x < 0.0);
+    if abs(beyond) > abs(size_y) * half_width {
+        return by_band;
     }
-    return is_right_of_segment(root, segment, uv);
+    return is_right_of_segment(root, segment, uv, by_band);
 }
 
-fn is_right_of_segment(root: u32, segment: TrimSegment, uv: vec2<f32>) -> bool {
+fn is_right_of_segment(root: u32, segment: TrimSegment, uv: vec2<f32>, by_band: bool) -> bool {
     if uv.x >= max(segment.low.x, segment.high.x) {
         return true;
     }
     if uv.x < min(segment.low.x, segment.high.x) {
         return false;
     }
+    let degree = segment.curve >> 27u;
+    if degree == 0u {
+        return by_band;
+    }
     let v = clamp(uv.y, segment.low.y, segment.high.y);
-    if (segment.curve >> 27u) == 1u {
+    if degree == 1u {
         let size = segment.high - segment.low;
         return (uv.x - segment.low.x) * size.y >= (v - segment.low.y) * size.x;
     }

@@ -3,6 +3,7 @@
 use super::narrow::{self, GridPoint};
 use super::nets::{self, Nets};
 use super::outline::Outline;
+use super::trim_segments::Evaluation;
 use super::trim_tree::{self, TrimTree};
 use crate::brep;
 use crate::geometry::{Frame, Surface};
@@ -55,7 +56,7 @@ pub(super) fn bake_face(
     distortion: f64,
     max_leaves: usize,
 ) -> Result<BakedFace, String> {
-    let mut trim = trim_tree::build(&outline.region)?;
+    let mut trim = trim_tree::build(&outline.region, Evaluation::Curves)?;
     if trim.uniform() == Some(false) {
         return Err("its trim curves enclose nothing".into());
     }

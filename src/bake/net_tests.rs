@@ -4,6 +4,7 @@ use super::faces::PartSpace;
 use super::nets::{Nets, bake_nets};
 use super::outline::Outline;
 use super::region::Region;
+use super::trim_segments::Evaluation;
 use super::trim_tests::{Random, circle};
 use super::trim_tree;
 use crate::geometry::{Bezier, BsplineSurface, Homogeneous, Homogeneous2, ParameterBox};
@@ -51,7 +52,7 @@ fn baked(surface: &BsplineSurface, curves: Vec<Bezier<Homogeneous2>>) -> (Nets, 
     let window = surface.domain();
     let trim = FaceTrim { curves, ..FaceTrim::whole(window) };
     let region = Region::new(&trim).expect("a valid region");
-    let tree = trim_tree::build(&region).expect("a tree");
+    let tree = trim_tree::build(&region, Evaluation::Curves).expect("a tree");
     let bounds = Aabb::around(surface.points.iter().map(|p| p.point()));
     let outline = Outline {
         window,

@@ -3,8 +3,9 @@
 use super::assemble::add_trim;
 use super::region::Region;
 use super::study::{self, Structure};
+use super::trim_segments::Evaluation;
 use super::trim_tree;
-use crate::scene::{SceneBuffers, TRIM_INSIDE, TrimMethod};
+use crate::scene::{SceneBuffers, TRIM_INSIDE, TrimMethod, TrimStructure};
 use rayon::prelude::*;
 
 /// What [`retrim`] needs to know of a bake: the trimmed regions of the scene's faces, in their order, and who asks the default trees.
@@ -40,14 +41,14 @@ pub fn retrim(scene: &mut SceneBuffers, regions: &TrimRegions, method: TrimMetho
     if scene.faces.len() != regions.regions.len() || scene.net_leaves.len() != regions.is_inside.len() {
         return Err("these are not the regions of this scene".into());
     }
-    if method != TrimMethod::PACKED {
+    if method.structure() != TrimStructure::Packed {
         return retrim_for_study(scene, regions, method);
     }
     let trees: Vec<_> = regions
         .regions
         .par_iter()
         .zip(&regions.asks)
-        .map(|(region, &asks)| asks.then(|| trim_tree::build(region)).transpose())
+        .map(|(region, &asks)| asks.then(|| trim_tree::build(region, Evaluation::of(method))).transpose())
         .collect::<Result<_, _>>()?;
     clear(scene, method);
     for (face, tree) in trees.into_iter().enumerate() {

@@ -4,7 +4,7 @@ use super::narrow;
 use super::region::{Piece, Region, number};
 use super::trim_band::{self, band};
 use crate::geometry::{Bezier, Homogeneous2};
-use crate::scene::{Band, MAX_DEGREE, TrimSegment};
+use crate::scene::{Band, MAX_DEGREE, TrimMethod, TrimSegment};
 
 /// A segment is halved while its band covers more of the window than this: the share of evenly spread points that would need the curve.
 const WIDEST: f32 = 1.0 / 1024.0;
@@ -12,20 +12,51 @@ const WIDEST: f32 = 1.0 / 1024.0;
 /// Halvings of a piece at most.
 const MAX_HALVINGS: u32 = 2;
 
+/// Without curves, segments are halved until their bands are no wider than this share of the window, 2⁻²²: four steps of f32 numbers below 1.
+const NARROWEST: f32 = 1.0 / 4_194_304.0;
+
+/// Halvings of a piece at most without curves: a quarter of a circle as large as the window needs 5.
+const MAX_HALVINGS_OF_BANDS: u32 = 12;
+
+/// What decides where a band is too wide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Evaluation {
+    /// The curve.
+    Curves,
+    /// More and narrower bands: their middles take the place of the curve, off by their half width at most.
+    Bands,
+}
+
+impl Evaluation {
+    /// That of a method.
+    pub(super) fn of(method: TrimMethod) -> Self {
+        if method == TrimMethod::PACKED_BANDS { Self::Bands } else { Self::Curves }
+    }
+}
+
 /// Segments under construction.
 pub(super) struct Segments {
     /// Each its own source.
     pub pieces: Vec<Piece>,
     /// Of the pieces; those of straight ones decide nothing.
     bands: Vec<Band>,
+    evaluation: Evaluation,
 }
 
 impl Segments {
     /// Those of the pieces of a region that are needed.
-    pub(super) fn new(region: &Region, is_needed: impl Fn(&Piece) -> bool) -> Result<Self, String> {
-        let mut segments = Self { pieces: Vec::new(), bands: Vec::new() };
+    pub(super) fn new(
+        region: &Region,
+        evaluation: Evaluation,
+        is_needed: impl Fn(&Piece) -> bool,
+    ) -> Result<Self, String> {
+        let mut segments = Self { pieces: Vec::new(), bands: Vec::new(), evaluation };
+        let halvings = match evaluation {
+            Evaluation::Curves => MAX_HALVINGS,
+            Evaluation::Bands => MAX_HALVINGS_OF_BANDS,
+        };
         for piece in region.pieces.iter().filter(|piece| is_needed(piece)) {
-            segments.add(region, piece, MAX_HALVINGS);
+            segments.add(region, piece, halvings);
         }
         number(&mut segments.pieces);
         if segments.pieces.len() > crate::scene::trim_word::MAX_SEGMENT as usize {
@@ -36,13 +67,17 @@ impl Segments {
 
     fn add(&mut self, region: &Region, piece: &Piece, halvings: u32) {
         let band = band_of(region, piece);
-        let sides = [0, 1].map(|axis| {
-            let [a, b] = piece.range(axis);
-            b - a
-        });
-        // The band is a unit long in the chord's frame.
-        let is_wide = piece.curve.is_some() && 2.0 * band.half_width * sides[0] * sides[1] > WIDEST;
+        let side = |axis| {
+            let [least, greatest] = piece.range(axis);
+            greatest - least
+        };
+        let is_wide = match self.evaluation {
+            // The band is a unit long in the chord's frame.
+            Evaluation::Curves => 2.0 * band.half_width * side(0) * side(1) > WIDEST,
+            Evaluation::Bands => !is_narrow(piece, &band),
+        };
         if is_wide
+            && piece.curve.is_some()
             && halvings > 0
             && let [Some(first), Some(second)] = region.halves(piece)
         {
@@ -66,6 +101,9 @@ impl Segments {
         for (piece, band) in self.pieces.iter().zip(self.bands) {
             let curve = match piece.curve {
                 None => StoredCurve { degree: 1, is_rational: false, offset: 0 },
+                Some(_) if self.evaluation == Evaluation::Bands && is_narrow(piece, &band) => {
+                    StoredCurve { degree: 0, is_rational: false, offset: 0 }
+                }
                 Some(index) => match stored[index as usize] {
                     Some(curve) => curve,
                     None => *stored[index as usize].insert(store(&region.curves[index as usize], words)?),
@@ -107,6 +145,12 @@ fn store(curve: &Bezier<Homogeneous2>, words: &mut Vec<u32>) -> Result<StoredCur
         words.extend(point.to_array()[..numbers].iter().map(|&x| narrow::number(x).to_bits()));
     }
     Ok(stored)
+}
+
+/// Whether the middle of the band may stand for the piece.
+fn is_narrow(piece: &Piece, band: &Band) -> bool {
+    let [least, greatest] = piece.range(usize::from(!band.by_v));
+    band.half_width * (greatest - least) <= NARROWEST
 }
 
 /// The band of a piece. A straight one goes by v, so that its u at a height comes of it, within the roundings of kernels.

@@ -2,6 +2,7 @@
 
 use super::region::{Rectangle, Region};
 use super::trim_query::inside;
+use super::trim_segments::Evaluation;
 use super::trim_tree::{TrimTree, build};
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2, ParameterBox};
 use crate::trimming::FaceTrim;
@@ -78,7 +79,7 @@ fn reference(trim: &FaceTrim, point: DVec2) -> (bool, f64) {
 
 fn tree_of(trim: &FaceTrim) -> (Region, TrimTree) {
     let region = Region::new(trim).expect("a valid region");
-    let tree = build(&region).expect("a tree");
+    let tree = build(&region, Evaluation::Curves).expect("a tree");
     (region, tree)
 }
 

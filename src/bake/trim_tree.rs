@@ -14,7 +14,7 @@
 //! planes are chosen by the surface-area heuristic (Sloup and Havran 2021, eq. 2) over piece boxes, then by their median-split rule.
 
 use super::region::{Piece, Region};
-use super::trim_segments::Segments;
+use super::trim_segments::{Evaluation, Segments};
 use crate::scene::TrimSegment;
 use crate::scene::trim_word::{self, HEADER_WORDS, MAX_GRID_LEVEL, PLANE_STEPS, TrimWord, position};
 use smallvec::SmallVec;
@@ -97,7 +97,7 @@ struct Builder<'a> {
 }
 
 /// Builds the trims of `region`.
-pub(super) fn build(region: &Region) -> Result<TrimTree, String> {
+pub(super) fn build(region: &Region, evaluation: Evaluation) -> Result<TrimTree, String> {
     let whole = Cell { low: [0.0; 2], high: [1.0; 2] };
     if !region.is_bounded {
         let word = trim_word::pack(TrimWord::Uniform { inside: true });
@@ -108,7 +108,7 @@ pub(super) fn build(region: &Region) -> Result<TrimTree, String> {
     for piece in &region.pieces {
         inside ^= piece.low == [0.0; 2] && piece.high[1] > 0.0;
     }
-    let segments = Segments::new(region, |piece| !lies_on_edge(&whole, piece))?;
+    let segments = Segments::new(region, evaluation, |piece| !lies_on_edge(&whole, piece))?;
     let root = Content { cell: whole, pieces: segments.pieces.clone(), inside };
     let levels = grid_levels(&root.pieces);
     let cells = 1_usize << (levels[0] + levels[1]);

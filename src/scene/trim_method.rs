@@ -2,16 +2,44 @@
 //!
 //! 1 to 29 are the rows of Table 2 of Sloup and Havran 2021: a list of curves (LC; Martin, Cohen, Fish and Shirley 2000), horizontal slabs (HS;
 //! Schollmeyer and Fröhlich 2009), kd-trees on curves (KC) and on curvesets (KCS, and KCS of Schollmeyer and Fröhlich 2019), with refinement of leaves (R),
-//! parallel boxing (B), empty space cutting off (E) and overlap minimisation (M). 30 is this program's own, the default.
+//! parallel boxing (B), empty space cutting off (E) and overlap minimisation (M). 30 is this program's own, the default; 31 is the same without curves, decided by bands as narrow as what f32 resolves.
 
 use std::fmt;
 use std::str::FromStr;
 
 /// Names in order of the numbers, which start at 1.
-const NAMES: [&str; 30] = [
-    "lc", "lc+b", "hs", "hs+b", "kc", "kc+r", "kc+b", "kc+e", "kc+rb", "kc+re", "kc+be", "kc+rbe",
-    "kcs-sf19", "kcs", "kcs+r", "kcs+b", "kcs+e", "kcs+m", "kcs+rb", "kcs+re", "kcs+rm", "kcs+be", "kcs+bm",
-    "kcs+em", "kcs+rbe", "kcs+rbm", "kcs+rem", "kcs+bem", "kcs+rbem", "packed",
+const NAMES: [&str; 31] = [
+    "lc",
+    "lc+b",
+    "hs",
+    "hs+b",
+    "kc",
+    "kc+r",
+    "kc+b",
+    "kc+e",
+    "kc+rb",
+    "kc+re",
+    "kc+be",
+    "kc+rbe",
+    "kcs-sf19",
+    "kcs",
+    "kcs+r",
+    "kcs+b",
+    "kcs+e",
+    "kcs+m",
+    "kcs+rb",
+    "kcs+re",
+    "kcs+rm",
+    "kcs+be",
+    "kcs+bm",
+    "kcs+em",
+    "kcs+rbe",
+    "kcs+rbm",
+    "kcs+rem",
+    "kcs+bem",
+    "kcs+rbem",
+    "packed",
+    "packed-bands",
 ];
 
 /// A bit for each method whose name has a letter after the plus.
@@ -65,17 +93,20 @@ impl TrimMethod {
     /// This program's own.
     pub const PACKED: Self = Self(30);
 
+    /// The same without curves.
+    pub const PACKED_BANDS: Self = Self(31);
+
     /// All of them, by number.
     pub fn all() -> impl Iterator<Item = Self> {
-        (1..=30).map(Self)
+        (1..=31).map(Self)
     }
 
-    /// The method of a number, 1 to 30.
+    /// The method of a number, 1 to 31.
     pub fn from_number(number: u32) -> Option<Self> {
-        (1..=30).contains(&number).then_some(Self(number as u8))
+        (1..=31).contains(&number).then_some(Self(number as u8))
     }
 
-    /// 1 to 30.
+    /// 1 to 31.
     pub const fn number(self) -> u32 {
         self.0 as u32
     }
@@ -101,7 +132,7 @@ impl TrimMethod {
             3..=4 => TrimStructure::Slabs,
             5..=12 => TrimStructure::KdCurves,
             13 => TrimStructure::KdCurvesetsSf19,
-            30 => TrimStructure::Packed,
+            30 | 31 => TrimStructure::Packed,
             _ => TrimStructure::KdCurvesets,
         }
     }
@@ -147,7 +178,7 @@ impl fmt::Display for TrimMethod {
 /// No method has this name or number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no trim method is called {0}: a number from 1 to 30, or a name such as lc, hs+b, kc+rbe, kcs-sf19, kcs+rbem, packed"
+    "no trim method is called {0}: a number from 1 to 31, or a name such as lc, hs+b, kc+rbe, kcs-sf19, kcs+rbem, packed"
 )]
 pub struct UnknownTrimMethod(String);
 
@@ -178,7 +209,7 @@ mod tests {
         assert_eq!(with(TrimMethod::has_boxing), 2 + 4 + 8);
         assert_eq!([with(TrimMethod::has_refinement), with(TrimMethod::has_empty_space)], [4 + 8; 2]);
         assert_eq!(with(TrimMethod::has_overlap), 8);
-        for wrong in ["", "0", "31", "kc+br", "-1"] {
+        for wrong in ["", "0", "32", "kc+br", "-1"] {
             assert!(wrong.parse::<TrimMethod>().is_err(), "{wrong}");
         }
     }

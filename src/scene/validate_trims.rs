@@ -3,7 +3,7 @@
 use super::trim_word::{self, TrimWord, grid_levels, unpack};
 use super::validate::{Check, require};
 use super::validate_study::structures;
-use super::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
+use super::{Scene, TRIM_INSIDE, TrimMethod, TrimSegment, TrimStructure};
 
 /// Levels of a tree at most: what the queries walk.
 const MAX_DEPTH: u32 = 32;
@@ -13,7 +13,7 @@ pub(super) fn trims(scene: &Scene<'_>) -> Check {
     curves(scene)?;
     match TrimMethod::from_number(scene.header.trim_method) {
         None => require(false, "header", 0, "no such trim method")?,
-        Some(TrimMethod::PACKED) => packed(scene)?,
+        Some(method) if method.structure() == TrimStructure::Packed => packed(scene)?,
         Some(method) => structures(scene, method)?,
     }
     for (index, leaf) in scene.net_leaves.iter().enumerate() {
@@ -30,7 +30,7 @@ fn packed(scene: &Scene<'_>) -> Check {
     for (index, face) in scene.faces.iter().enumerate() {
         if face.trim_root != TRIM_INSIDE {
             let root = Root::new(scene, face.trim_root as usize, &mut visited);
-            require(root.is_some_and(Root::is_valid), "faces", index, "its trims are inconsistent")?;
+            require(root.is_some_and(Root::check), "faces", index, "its trims are inconsistent")?;
         }
     }
     Ok(())
@@ -74,7 +74,8 @@ impl<'a> Root<'a> {
         })
     }
 
-    fn is_valid(mut self) -> bool {
+    /// Whether all that the cells name is there and named once.
+    fn check(mut self) -> bool {
         let cells = self.root + trim_word::HEADER_WORDS;
         (self.root..cells).all(|at| self.claim(at)) && (cells..cells + self.cells).all(|at| self.cell(at))
     }

@@ -3,7 +3,7 @@
 use super::measure::{StudyOptions, trim_rate};
 use crate::bake::{Lines, TrimRegions, retrim};
 use crate::render::cpu::TrimQuery;
-use crate::scene::{SceneBuffers, TrimMethod};
+use crate::scene::{SceneBuffers, TrimMethod, TrimStructure};
 
 /// The numbers of the methods of Figure 9, and ours.
 pub const DEGREE_METHODS: [u32; 9] = [1, 2, 3, 4, 5, 7, 14, 16, 30];
@@ -38,7 +38,9 @@ pub fn measure_degrees(
     for &degree in degrees {
         for lines in [Lines::Elevated, Lines::Kept] {
             let raised = regions.elevated(degree, lines);
-            let is_wanted = |method: &&TrimMethod| lines == Lines::Elevated || **method == TrimMethod::PACKED;
+            let is_wanted = |method: &&TrimMethod| {
+                lines == Lines::Elevated || method.structure() == TrimStructure::Packed
+            };
             for &method in methods.iter().filter(is_wanted) {
                 retrim(scene, &raised, method)?;
                 let rate = trim_rate(&scene.scene(), queries, options.runs);

@@ -52,7 +52,7 @@ fn trim<T: Real, const NEAR: bool, const COUNT: bool>(
     if root == TRIM_INSIDE {
         return TrimPoint { inside: true, is_near: false };
     }
-    if scene.header.trim_method != TrimMethod::PACKED.number() {
+    if scene.header.trim_method < TrimMethod::PACKED.number() {
         let inside = TrimMethod::from_number(scene.header.trim_method)
             .is_some_and(|method| study_inside::<T, COUNT>(scene, method, root, uv, counts));
         return TrimPoint { inside, is_near: false };
@@ -208,24 +208,30 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         let (x, size_x, y, size_y) =
             if band.by_v { (at[1], size[1], at[0], size[0]) } else { (at[0], size[0], at[1], size[1]) };
         let beyond = y - size_y * band_middle(&band, (x / size_x).max(T::ZERO).min(T::ONE));
-        let is_decided = beyond.abs() > size_y.abs() * T::from_f32(band.half_width) || segment.degree() == 0;
-        if is_decided {
-            (beyond > T::ZERO) == (band.by_v || size[0] < T::ZERO)
-        } else {
-            self.is_right_of_segment(segment, uv, counts)
-        }
+        let by_band = (beyond > T::ZERO) == (band.by_v || size[0] < T::ZERO);
+        let is_decided = beyond.abs() > size_y.abs() * T::from_f32(band.half_width);
+        if is_decided { by_band } else { self.is_right_of_segment(segment, uv, by_band, counts) }
     }
 
-    /// [`Self::is_right`] by the segment itself.
+    /// [`Self::is_right`] by the segment itself; `by_band` is what the middle of its band says.
     #[cold]
     #[inline(never)]
-    fn is_right_of_segment(&self, segment: &TrimSegment, uv: [T; 2], counts: &mut TrimCounts) -> bool {
+    fn is_right_of_segment(
+        &self,
+        segment: &TrimSegment,
+        uv: [T; 2],
+        by_band: bool,
+        counts: &mut TrimCounts,
+    ) -> bool {
         let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
         if uv[0] >= low[0].max(high[0]) {
             return true;
         }
         if uv[0] < low[0].min(high[0]) {
             return false;
+        }
+        if segment.degree() == 0 {
+            return by_band;
         }
         let v = uv[1].max(low[1]).min(high[1]);
         if segment.degree() == 1 {
