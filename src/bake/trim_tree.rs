@@ -150,7 +150,7 @@ fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
 }
 
 /// Cells of the grid for each piece.
-const CELLS_PER_PIECE: usize = 4;
+const CELLS_PER_PIECE: usize = 8;
 
 impl Builder<'_> {
     /// Halves `content` until it is one cell of the grid: `left` counts the halvings to come, `index` is the cell's so far.
