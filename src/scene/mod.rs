@@ -22,7 +22,8 @@ mod validate_trees;
 pub use bytes::section_bytes;
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
-    NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, bend_bound, bend_byte, primitive, trim_node,
+    NO_MATERIAL, Net, NetLeaf, Part, TRIM_INSIDE, TrimSegment, bend_bound, bend_byte, point_side, primitive,
+    trim_node,
 };
 pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
 pub use validate::{InvalidScene, validate};
