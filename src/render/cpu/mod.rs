@@ -12,6 +12,7 @@ pub(super) mod analytic;
 pub(super) mod bernstein;
 pub(super) mod bvh;
 pub(super) mod camera;
+mod choice;
 pub(super) mod cover;
 pub(super) mod footprint;
 pub(super) mod frames;
@@ -38,6 +39,7 @@ mod test_scenes;
 #[cfg(test)]
 mod tests;
 
+pub use self::choice::{Choice, choices};
 pub use self::probe::{probe, probe_with};
 pub use self::render::render;
 pub use frames::Kernel;
