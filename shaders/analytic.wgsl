@@ -75,10 +75,12 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
     return roots;
 }
 
+const FARTHEST_SLIDE: f32 = 64.0;
+
 fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     var roots = Roots();
     var slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    slide = select(0.0, slide, abs(slide) * length(d) <= 64.0 * (length(o) + abs(radius)));
+    slide = select(0.0, slide, abs(slide) * length(d) <= FARTHEST_SLIDE * (length(o) + abs(radius)));
     let p = fused(d, slide, o);
     let rho = radius + slope * p.z;
     let drho = slope * d.z;

@@ -12,11 +12,12 @@ struct Sides {
 struct Footprint {
     first: vec2<f32>,
     second: vec2<f32>,
+    cosine: f32,
     is_grazing: bool,
 }
 
 fn scaled(print: Footprint, scale: vec2<f32>) -> Footprint {
-    return Footprint(print.first * scale, print.second * scale, print.is_grazing);
+    return Footprint(print.first * scale, print.second * scale, print.cosine, print.is_grazing);
 }
 
 fn extent(print: Footprint) -> vec2<f32> {
@@ -44,7 +45,8 @@ fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, cur
     let normal = cross(s_u, s_v);
     let determinant = dot(direction, normal);
     let steepness = length(direction) * length(normal);
-    let cosine = abs(determinant) / steepness;
+    let facing = determinant / steepness;
+    let cosine = abs(facing);
     let is_grazing = !(cosine > GRAZING && cosine * cosine > 2.0 * SHALLOW * curvature * slack);
     let by_u = cross(s_v, direction);
     let by_v = cross(direction, s_u);
@@ -52,6 +54,20 @@ fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, cur
     return Footprint(
         vec2<f32>(dot(o.first, by_u), dot(o.first, by_v)) * share,
         vec2<f32>(dot(o.second, by_u), dot(o.second, by_v)) * share,
+        facing,
         is_grazing,
     );
+}
+
+fn pole_footprint(axis: u32, across: vec3<f32>, slack: f32) -> Footprint {
+    let off = slack / length(across);
+    if axis == 0u {
+        return Footprint(vec2<f32>(off, 0.25), vec2<f32>(-off, 0.25), 0.0, true);
+    }
+    return Footprint(vec2<f32>(0.25, off), vec2<f32>(0.25, -off), 0.0, true);
+}
+
+fn same_place(apart: f32, first: f32, second: f32, slack: f32) -> bool {
+    let steepness = max((abs(first) + abs(second)) * 0.5, 1.0 / LONGEST);
+    return first * second >= 0.0 && apart * steepness <= slack * 2.0;
 }

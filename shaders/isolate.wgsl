@@ -2,73 +2,155 @@
 
 const MAX_ISOLATION_LEVEL: u32 = 8u;
 const MAX_ISOLATION_CELLS: u32 = 4096u;
+const MAX_POLE_LEVEL: u32 = 21u;
 
-// A square of a leaf's domain, of side 2^-level.
+// How sure a search is to end at a root.
+const UNIQUE: u32 = 0u;
+const REGULAR: u32 = 1u;
+const OPEN: u32 = 2u;
+
+// A rectangle of a leaf's domain, of sides 2^-level.
 struct Cell {
-    level: u32,
+    level: vec2<u32>,
     place: vec2<u32>,
 }
 
-// What a cell asks for: a search from a start, where `wanted`, or that its quarters are looked at instead.
+// The side of a leaf that is one point.
+struct Pole {
+    axis: u32,
+    exists: bool,
+    is_high: bool,
+}
+
+// What a cell asks for: a search of some kind from a start, where `wanted`, or that its parts are looked at instead.
 struct Verdict {
     start: vec2<f32>,
-    unique: bool,
+    kind: u32,
+    across: f32,
     wanted: bool,
     splits: bool,
+}
+
+fn leaf_pole(net: u32, domain: Domain) -> Pole {
+    let low = domain.low == vec2<f32>(0.0);
+    let high = domain.low + domain.size == vec2<f32>(1.0);
+    let bits = nets[net].degrees;
+    if low.x && (bits & point_side(0u, 0u)) != 0u {
+        return Pole(0u, true, false);
+    }
+    if high.x && (bits & point_side(0u, 1u)) != 0u {
+        return Pole(0u, true, true);
+    }
+    if low.y && (bits & point_side(1u, 0u)) != 0u {
+        return Pole(1u, true, false);
+    }
+    return Pole(select(0u, 1u, high.y && (bits & point_side(1u, 1u)) != 0u), high.y && (bits & point_side(1u, 1u)) != 0u, true);
+}
+
+fn point_side(axis: u32, end: u32) -> u32 {
+    return 1u << (17u + 2u * axis + end);
+}
+
+fn is_at_pole(cell: Cell, pole: Pole) -> bool {
+    let last = select(0u, (1u << cell.level[pole.axis]) - 1u, pole.is_high);
+    return pole.exists && cell.level[1u - pole.axis] == 0u && cell.place[pole.axis] == last;
+}
+
+fn first_part(cell: Cell, pole: Pole) -> Cell {
+    let is_cut = select(vec2<u32>(1u), select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), pole.axis == 1u), is_at_pole(cell, pole));
+    return Cell(cell.level + is_cut, cell.place << is_cut);
+}
+
+// The next of four, or of the parent's four, and so on; false where there is none.
+fn next_cell(cell: ptr<function, Cell>, pole: Pole) -> bool {
+    var level = (*cell).level;
+    var place = (*cell).place;
+    while level[1u - pole.axis] > 0u && (place.x & place.y & 1u) == 1u {
+        level -= vec2<u32>(1u);
+        place = place >> vec2<u32>(1u);
+    }
+    if level[1u - pole.axis] > 0u {
+        if (place.x & 1u) == 0u {
+            place.x += 1u;
+        } else {
+            place = vec2<u32>(place.x - 1u, place.y + 1u);
+        }
+        *cell = Cell(level, place);
+        return true;
+    }
+    var halves = level[pole.axis];
+    var half = place[pole.axis];
+    while halves > 0u && (half & 1u) == 1u {
+        halves -= 1u;
+        half >>= 1u;
+    }
+    level[pole.axis] = halves;
+    place[pole.axis] = half + 1u;
+    *cell = Cell(level, place);
+    return halves > 0u;
+}
+
+fn is_at_end(cell: Cell, domain: Domain) -> bool {
+    let last = (vec2<u32>(1u) << cell.level) - vec2<u32>(1u);
+    let high = domain.low + domain.size;
+    return any((cell.place == vec2<u32>(0u)) & (domain.low == vec2<f32>(0.0)))
+        || any((cell.place == last) & (high == vec2<f32>(1.0)));
+}
+
+fn cell_radius(cell: Cell) -> vec2<f32> {
+    return vec2<f32>(0.5) / vec2<f32>(vec2<u32>(1u) << cell.level);
 }
 
 fn cell_center(cell: Cell, domain: Domain) -> vec2<f32> {
     return domain.low + domain.size * (vec2<f32>(cell.place * 2u + vec2<u32>(1u)) * cell_radius(cell));
 }
 
-fn cell_radius(cell: Cell) -> f32 {
-    return 0.5 / f32(1u << cell.level);
+fn bend_area(cell: Cell, at: LeafRay, reach: vec2<f32>) -> f32 {
+    let axis = at.pole.axis;
+    let across = reach[axis];
+    let along = reach[1u - axis];
+    var share = 1.0;
+    if at.pole.exists {
+        let count = 1u << cell.level[axis];
+        let steps = select(cell.place[axis] + 1u, count - cell.place[axis], at.pole.is_high);
+        share = bend_at_pole(at, f32(steps + 1u) / f32(count));
+    }
+    return max(max(share * along * along, across * along), across * across);
 }
 
-// The next of four, or of the parent's four; false where there is none.
-fn next_cell(cell: ptr<function, Cell>) -> bool {
-    while (*cell).level > 0u && ((*cell).place.x & (*cell).place.y & 1u) == 1u {
-        *cell = Cell((*cell).level - 1u, (*cell).place >> vec2<u32>(1u));
-    }
-    if ((*cell).place.x & 1u) == 0u {
-        (*cell).place.x += 1u;
-    } else {
-        (*cell).place = vec2<u32>((*cell).place.x - 1u, (*cell).place.y + 1u);
-    }
-    return (*cell).level != 0u;
-}
-
-fn is_at_end(cell: Cell, domain: Domain) -> bool {
-    let last = vec2<u32>((1u << cell.level) - 1u);
-    let high = domain.low + domain.size;
-    return any((cell.place == vec2<u32>(0u)) & (domain.low == vec2<f32>(0.0)))
-        || any((cell.place == last) & (high == vec2<f32>(1.0)));
+fn bend_at_pole(at: LeafRay, across: f32) -> f32 {
+    return min(1.0, f32(net_degrees(net_leaves[at.leaf].net)[at.pole.axis]) * across);
 }
 
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let a = net_leaves[at.leaf].tangent_u;
     let b = net_leaves[at.leaf].tangent_v;
-    let bend = bend_bound(net_leaves[at.leaf].certificate >> 24u) * min(length(a), length(b));
     let size = greatest(net_leaves[at.leaf].center) + greatest(at.ray.origin) + greatest(a) + greatest(b);
     let rounding = size * 32.0 * EPSILON;
-    let scale = 1.0 / jet.value.w;
-    let f = plane_values(at.planes, jet.value) * scale;
-    let f_s = (plane_values(at.planes, jet.by_u) - f * jet.by_u.w) * scale * at.domain.size.x;
-    let f_t = (plane_values(at.planes, jet.by_v) - f * jet.by_v.w) * scale * at.domain.size.y;
     let reach = cell_radius(cell) * (1.0 + 1.0 / 64.0);
-    let remainder = bend * 0.5 * reach * reach + rounding + select(0.0, at.slack, is_at_end(cell, at.domain));
-    let determinant = f_s.x * f_t.y - f_s.y * f_t.x;
-    let step = vec2<f32>(f.x * f_t.y - f.y * f_t.x, f_s.x * f.y - f_s.y * f.x);
+    let p = plane_jet(at.planes, jet, at.domain.size * reach);
+    let curving = leaf_bend(at.leaf) * bend_area(cell, at, reach);
+    let remainder = curving * 0.5 + rounding + select(0.0, at.slack, is_at_end(cell, at.domain));
+    let determinant = p.f_s.x * p.f_t.y - p.f_s.y * p.f_t.x;
+    let step = vec2<f32>(p.f.x * p.f_t.y - p.f.y * p.f_t.x, p.f_s.x * p.f.y - p.f_s.y * p.f.x);
     let slope = at.planes.slope;
     let plane_norms = sqrt(vec2<f32>(1.0) + slope * slope);
-    let along = vec2<f32>(f_t.y * slope.x - f_t.x * slope.y, f_s.x * slope.y - f_s.y * slope.x);
-    let rows = sqrt(vec2<f32>(dot(f_t, f_t), dot(f_s, f_s)) + along * along);
-    let room = reach * abs(determinant);
-    let misses = any(abs(f) > (abs(f_s) + abs(f_t)) * reach + plane_norms * remainder) || any(abs(step) > room + rows * remainder);
-    let curving = max(rows.x, rows.y) * bend;
-    let is_regular = curving * reach < 0.9 * abs(determinant)
-        && curving * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
-    let start = cell_center(cell, at.domain) - select(vec2<f32>(0.0), step / determinant * at.domain.size, is_regular);
-    let splits = !misses && !is_regular && cell.level < MAX_ISOLATION_LEVEL;
-    return Verdict(start, is_regular && cell.level <= 2u, !misses, splits);
+    let along = vec2<f32>(p.f_t.y * slope.x - p.f_t.x * slope.y, p.f_s.x * slope.y - p.f_s.y * slope.x);
+    let rows = sqrt(vec2<f32>(dot(p.f_t, p.f_t), dot(p.f_s, p.f_s)) + along * along);
+    let misses = any(abs(p.f) > abs(p.f_s) + abs(p.f_t) + plane_norms * remainder)
+        || any(abs(step) > abs(determinant) + rows * remainder);
+    let middle = cell_center(cell, at.domain);
+    if is_at_pole(cell, at.pole) {
+        let across = 2.0 * reach[at.pole.axis];
+        let image = select(length(a), length(b), at.pole.axis == 1u) * across;
+        let is_small = image <= (at.slack + rounding) * 8.0 || cell.level[at.pole.axis] == MAX_POLE_LEVEL;
+        return Verdict(middle, OPEN, across, !misses && is_small, !misses && !is_small);
+    }
+    let turning = max(rows.x, rows.y) * curving;
+    let is_regular = turning < 0.9 * abs(determinant)
+        && turning * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
+    let start = middle - select(vec2<f32>(0.0), step / determinant * (at.domain.size * reach), is_regular);
+    let splits = !misses && !is_regular && cell.level[1u - at.pole.axis] < MAX_ISOLATION_LEVEL;
+    let kind = select(OPEN, select(REGULAR, UNIQUE, max(cell.level.x, cell.level.y) <= 2u), is_regular);
+    return Verdict(start, kind, 1.0, !misses, splits);
 }

@@ -4,6 +4,13 @@ const MAX_ROOTS: u32 = 6u;
 const OVERLAP: f32 = 1.0 / 1048576.0;
 // √EPSILON, exactly.
 const SQRT_EPSILON: f32 = 3.4526698e-4;
+// ∛EPSILON.
+const CBRT_EPSILON: f32 = 4.9215666e-3;
+const MAX_UNIQUE_STEPS: u32 = 10u;
+const TANGENT_STEPS: u32 = 16u;
+const DAMPING_FACTOR: f32 = 8.0;
+const CONVERGED_MISS = vec2<f32>(256.0, 4.0);
+const OPEN_MISS = vec2<f32>(16.0, 0.5);
 
 struct NetRoot {
     uv: vec2<f32>,
@@ -14,6 +21,7 @@ struct NetRoot {
 struct NetRoots {
     count: u32,
     root: array<NetRoot, MAX_ROOTS>,
+    is_cut: bool,
 }
 
 struct Domain {
@@ -27,15 +35,26 @@ struct LeafRay {
     ray: PrimitiveRay,
     planes: RayPlanes,
     slack: f32,
+    pole: Pole,
 }
 
 // Newton's iteration, `steps` along.
 struct Search {
     uv: vec2<f32>,
     steps: u32,
-    unique: bool,
+    kind: u32,
+    across: f32,
     converged: bool,
     goes_on: bool,
+    // The lowest point so far, what the planes have there, and the share of the damping.
+    base: vec2<f32>,
+    low: PlaneJet,
+    share: f32,
+}
+
+fn search_from(start: vec2<f32>, kind: u32, across: f32, wanted: bool) -> Search {
+    let zero = vec2<f32>(0.0);
+    return Search(start, 0u, kind, across, false, wanted, start, PlaneJet(zero, zero, zero), 1.0);
 }
 
 fn leaf_domain(leaf: u32) -> Domain {
@@ -53,40 +72,44 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
         return roots;
     }
     let domain = leaf_domain(leaf);
-    let at = LeafRay(leaf, domain, ray, ray_planes(ray), faces[nets[net_leaves[leaf].net].face].slack);
-    let isolating = EXACTNESS == EXACT && !hit.unique && (net_leaves[leaf].certificate >> 24u) != 255u;
-    var cell = Cell(0u, vec2<u32>(0u));
+    let net = net_leaves[leaf].net;
+    let pole = leaf_pole(net, domain);
+    let at = LeafRay(leaf, domain, ray, ray_planes(ray), faces[nets[net].face].slack, pole);
+    let isolating = EXACTNESS == EXACT && !hit.unique && has_bend_bound(leaf);
+    let kind = select(OPEN, UNIQUE, hit.unique);
+    var cell = Cell(vec2<u32>(0u), vec2<u32>(0u));
     let starts = fixed_starts(hit);
     var next_start = starts.x;
     var starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, isolating);
-    var search = Search(vec2<f32>(0.0), 0u, hit.unique, false, true);
+    var search = search_from(vec2<f32>(0.0), kind, 1.0, true);
     var is_new = true;
     loop {
         if is_new {
             if starts_left == 0u {
+                roots.is_cut = isolating;
                 return roots;
             }
             starts_left -= 1u;
             if isolating {
-                search = Search(cell_center(cell, domain), 0u, false, false, true);
+                search = search_from(cell_center(cell, domain), OPEN, 1.0, true);
             } else {
-                search = Search(fixed_start(hit, next_start, domain), 0u, hit.unique, false, true);
+                search = search_from(fixed_start(hit, next_start, domain), kind, 1.0, true);
                 next_start += 1u;
             }
         }
-        let jet = net_jet(net_leaves[leaf].net, ray.origin, search.uv);
+        let jet = net_jet(net, ray.origin, search.uv);
         if isolating && is_new {
             let verdict = examine(jet, at, cell);
             if verdict.splits {
-                cell = Cell(cell.level + 1u, cell.place * 2u);
+                cell = first_part(cell, pole);
                 continue;
             }
-            search = Search(verdict.start, 0u, verdict.unique, false, verdict.wanted);
+            search = search_from(verdict.start, verdict.kind, verdict.across, verdict.wanted);
         } else {
             advance(jet, at, &search, &roots);
         }
         is_new = !search.goes_on;
-        if isolating && is_new && !next_cell(&cell) {
+        if isolating && is_new && !next_cell(&cell, pole) {
             return roots;
         }
     }
@@ -134,27 +157,41 @@ fn slab_start(hit: SlabHit, t: f32, domain: Domain) -> vec2<f32> {
 
 // One turn of the twin's `search`: a step, or after the last one the root's test.
 fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>, roots: ptr<function, NetRoots>) {
-    let unique = (*search).unique;
-    if (*search).converged || (*search).steps == select(16u, 10u, unique) {
+    let unique = (*search).kind == UNIQUE;
+    let is_open = (*search).kind == OPEN;
+    let limit = select(TANGENT_STEPS, MAX_UNIQUE_STEPS, unique);
+    if (*search).converged || (*search).steps == limit {
         (*search).goes_on = false;
-        add_search(jet, at, *search, roots);
+        if is_within((*search).uv, at.domain, 0.5) {
+            add_search(jet, at, *search, roots);
+        }
         return;
     }
-    let f = plane_values(at.planes, jet.value);
-    let f_u = plane_values(at.planes, jet.by_u);
-    let f_v = plane_values(at.planes, jet.by_v);
-    let determinant = f_u.x * f_v.y - f_u.y * f_v.x;
-    let du = (f.x * f_v.y - f.y * f_v.x) / determinant;
-    let dv = (f_u.x * f.y - f_u.y * f.x) / determinant;
-    let longest = max(abs(du / at.domain.size.x), abs(dv / at.domain.size.y));
-    let shorten = select(1.0, 1.0 / longest, longest > 1.0);
-    let uv = (*search).uv - vec2<f32>(du, dv) * shorten;
-    let small = select(SQRT_EPSILON / 64.0, SQRT_EPSILON, unique);
-    (*search).uv = uv;
-    (*search).steps += 1u;
-    (*search).converged = longest <= small;
-    let is_last = longest <= small || (*search).steps == select(16u, 10u, unique);
-    (*search).goes_on = is_finite(du) && is_finite(dv) && is_within(uv, at.domain, select(1.0, 0.5, is_last));
+    let across = (*search).across;
+    let unit = at.domain.size * select(vec2<f32>(across, 1.0), vec2<f32>(1.0, across), at.pole.axis == 1u);
+    let here = plane_jet(at.planes, jet, unit);
+    if (*search).steps == 0u || !is_open || dot(here.f, here.f) <= dot((*search).low.f, (*search).low.f) {
+        (*search).base = (*search).uv;
+        (*search).low = here;
+        (*search).share *= 1.0 / DAMPING_FACTOR;
+    } else {
+        (*search).share *= DAMPING_FACTOR;
+    }
+    let bend_here = leaf_bend(at.leaf) * select(1.0, bend_at_pole(at, across), across < 1.0);
+    let damping = select(0.0, bend_here, is_open && has_bend_bound(at.leaf));
+    let step = damped_step((*search).low, damping * (*search).share);
+    let is_singular = !(is_finite(step.x) && is_finite(step.y));
+    (*search).steps = select((*search).steps + 1u, limit, is_singular);
+    if !is_singular {
+        let longest = max(abs(step.x), abs(step.y));
+        let shorten = select(1.0, 1.0 / longest, longest > 1.0);
+        (*search).uv = (*search).base - step * (shorten * unit);
+        (*search).converged = longest <= select(SQRT_EPSILON / 64.0, SQRT_EPSILON, unique);
+        (*search).goes_on = is_within((*search).uv, at.domain, 1.0);
+    }
+    if is_open && (*search).goes_on && !(*search).converged && (*search).steps == limit {
+        (*search).uv = (*search).base;
+    }
 }
 
 // What the twin's `search` does with where it ends.
@@ -164,46 +201,112 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, roots: ptr<function, Net
     let from_origin = jet.value.xyz * scale;
     let s_u = (jet.by_u.xyz - from_origin * jet.by_u.w) * scale;
     let s_v = (jet.by_v.xyz - from_origin * jet.by_v.w) * scale;
-    var print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, leaf_curvature(at.leaf), at.slack);
+    let curvature = root_curvature(s_u * at.domain.size.x, s_v * at.domain.size.y, leaf_bend(at.leaf));
+    var print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, curvature, at.slack);
+    let is_v = at.pole.axis == 1u;
+    if at.pole.exists && select(length(s_v), length(s_u), is_v) <= at.slack * 4.0 {
+        print = pole_footprint(at.pole.axis, select(s_u, s_v, is_v), at.slack);
+    }
     print.is_grazing |= !search.converged;
     let half_box = extent(print);
     let on_net = max(half_box, vec2<f32>(OVERLAP));
-    let on_leaf = max(half_box, select(0.5, 1.0 / 64.0, search.unique) * at.domain.size);
+    let on_leaf = max(half_box, select(0.5, 1.0 / 64.0, search.kind == UNIQUE) * at.domain.size);
     let beyond = uv - at.domain.low;
     let is_own = all(uv >= -on_net) && all(uv <= 1.0 + on_net) && all(beyond >= -on_leaf) && all(beyond - at.domain.size <= on_leaf);
     let t = dot(from_origin, at.ray.direction) / dot(at.ray.direction, at.ray.direction);
     let miss = greatest(from_origin - at.ray.direction * t);
     let size = greatest(net_leaves[at.leaf].tangent_u) + greatest(net_leaves[at.leaf].tangent_v);
     let rounding = (size + greatest(from_origin + at.ray.origin)) * EPSILON;
-    let tolerance = max(rounding * select(16.0, 256.0, search.converged), at.slack * select(0.5, 4.0, search.converged));
+    let is_sure = search.converged && search.kind != OPEN;
+    let most = select(OPEN_MISS, CONVERGED_MISS, is_sure);
+    let tolerance = max(rounding * most.x, at.slack * most.y);
     if is_own && miss <= tolerance {
-        add_root(roots, NetRoot(uv, t, print), at.domain);
+        add_root(roots, NetRoot(uv, t, print), at);
     }
 }
 
-fn leaf_curvature(leaf: u32) -> f32 {
+fn damped_step(p: PlaneJet, damping: f32) -> vec2<f32> {
+    let determinant = p.f_s.x * p.f_t.y - p.f_s.y * p.f_t.x;
+    let newton = vec2<f32>(p.f.x * p.f_t.y - p.f.y * p.f_t.x, p.f_s.x * p.f.y - p.f_s.y * p.f.x);
+    if !(damping > 0.0) {
+        return newton / determinant;
+    }
+    let inv = 1.0 / (dot(p.f_s, p.f_s) + dot(p.f_t, p.f_t));
+    let lambda = damping * (abs(p.f.x) + abs(p.f.y)) * inv;
+    let unit_determinant = determinant * inv;
+    let downhill = vec2<f32>(dot(p.f_s, p.f), dot(p.f_t, p.f));
+    return (newton * unit_determinant + downhill * lambda)
+        * (inv / (unit_determinant * unit_determinant + lambda * (1.0 + lambda)));
+}
+
+fn leaf_bend(leaf: u32) -> f32 {
     let shorter = min(length(net_leaves[leaf].tangent_u), length(net_leaves[leaf].tangent_v));
-    return bend_bound(net_leaves[leaf].certificate >> 24u) / shorter;
+    return bend_bound(net_leaves[leaf].certificate >> 24u) * shorter;
+}
+
+fn has_bend_bound(leaf: u32) -> bool {
+    return (net_leaves[leaf].certificate >> 24u) != 255u;
+}
+
+fn root_curvature(s: vec3<f32>, t: vec3<f32>, bend: f32) -> f32 {
+    let normal = cross(s, t);
+    return bend * max(dot(s, s), dot(t, t)) / dot(normal, normal);
 }
 
 fn is_within(uv: vec2<f32>, domain: Domain, margin: f32) -> bool {
     return all(uv >= domain.low - margin * domain.size) && all(uv <= domain.low + (1.0 + margin) * domain.size);
 }
 
-fn add_root(roots: ptr<function, NetRoots>, root: NetRoot, domain: Domain) {
+fn add_root(roots: ptr<function, NetRoots>, root: NetRoot, at: LeafRay) {
     let near = SQRT_EPSILON * 0.25;
     for (var i = 0u; i < (*roots).count; i++) {
-        if all(abs((*roots).root[i].uv - root.uv) <= near * domain.size) {
+        let known = (*roots).root[i];
+        let is_near = all(abs(known.uv - root.uv) <= near * at.domain.size);
+        let is_any_grazing = known.footprint.is_grazing || root.footprint.is_grazing;
+        let apart = abs(known.t - root.t) * length(at.ray.direction);
+        if is_near || (is_any_grazing && same_place(apart, known.footprint.cosine, root.footprint.cosine, at.slack)) {
+            if known.footprint.is_grazing && !root.footprint.is_grazing {
+                (*roots).root[i] = root;
+            }
             return;
         }
     }
     if (*roots).count < MAX_ROOTS {
         (*roots).root[(*roots).count] = root;
         (*roots).count += 1u;
+    } else {
+        (*roots).is_cut = true;
     }
 }
 
 fn net_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
+    let h = CBRT_EPSILON;
+    var axis = 0u;
+    var is_high = false;
+    var off = h;
+    for (var side = 0u; side < 4u && !(off < h); side++) {
+        axis = side >> 1u;
+        is_high = (side & 1u) == 1u;
+        let is_point = (nets[net].degrees & point_side(axis, side & 1u)) != 0u;
+        off = select(h, select(uv[axis], 1.0 - uv[axis], is_high), is_point);
+    }
+    var at = uv;
+    var normals: array<vec3<f32>, 2>;
+    for (var k = 0u; k < 2u; k++) {
+        if off < h {
+            let by = h * f32(k + 1u);
+            at[axis] = select(by, 1.0 - by, is_high);
+        }
+        normals[k] = regular_normal(net, at);
+        if !(off < h) {
+            return normals[k];
+        }
+    }
+    let n = normals[0] + (normals[0] - normals[1]) * ((h - off) / h);
+    return n * (1.0 / max(length(n), 1e-30));
+}
+
+fn regular_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
     var at = uv;
     for (var i = 0; i < 4; i++) {
         let s = net_tangents(net, at);

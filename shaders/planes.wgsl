@@ -22,3 +22,19 @@ fn ray_planes(ray: PrimitiveRay) -> RayPlanes {
 fn plane_values(planes: RayPlanes, p: vec4<f32>) -> vec2<f32> {
     return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major];
 }
+
+struct PlaneJet {
+    f: vec2<f32>,
+    f_s: vec2<f32>,
+    f_t: vec2<f32>,
+}
+
+fn plane_jet(planes: RayPlanes, jet: NetJet, size: vec2<f32>) -> PlaneJet {
+    let scale = 1.0 / jet.value.w;
+    let f = plane_values(planes, jet.value) * scale;
+    return PlaneJet(
+        f,
+        (plane_values(planes, jet.by_u) - f * jet.by_u.w) * (scale * size.x),
+        (plane_values(planes, jet.by_v) - f * jet.by_v.w) * (scale * size.y),
+    );
+}

@@ -1,5 +1,10 @@
 // Rays against the skew slab around a leaf of a net; the twin of render/cpu/slab.rs, where the essay is.
 
+const FLAT: f32 = 1e-6;
+const CERTIFICATE_ROUNDING: f32 = 1.0 / 1024.0;
+const PARALLEL: f32 = 1e-18;
+const SPHERE_ROUNDING: f32 = 1.001;
+
 struct SlabHit {
     at: vec3<f32>,
     along: vec3<f32>,
@@ -25,7 +30,7 @@ fn intersect_slab(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> SlabHit 
     let bb = dot(b, b);
     let nn = dot(n, n);
     let r = ray.origin - center;
-    if !(nn > 1e-6 * aa * bb && aa > 0.0 && bb > 0.0) {
+    if !(nn > FLAT * aa * bb && aa > 0.0 && bb > 0.0) {
         return flat_slab(leaf, sqrt(aa), sqrt(bb), extent_n, r, ray.direction, near, far);
     }
     let scale = 1.0 / nn;
@@ -48,7 +53,7 @@ fn intersect_slab(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> SlabHit 
     hit.meets = bounds.x <= bounds.y;
     let e = certificate(leaf);
     let gamma = e.z * sqrt(min(aa, bb));
-    let across = abs(hit.along.z) * (1.0 - 1.0 / 1024.0);
+    let across = abs(hit.along.z) * (1.0 - CERTIFICATE_ROUNDING);
     hit.unique = (1.0 - e.x) * across > gamma * abs(hit.along.x) && (1.0 - e.y) * across > gamma * abs(hit.along.y);
     hit.flat_leaf = false;
     return hit;
@@ -69,7 +74,7 @@ fn flat_slab(
     let dd = dot(direction, direction);
     let middle = -dot(r, direction) / dd;
     let closest = r + direction * middle;
-    let reach = radius * 1.001 + greatest(r) * 8.0 * EPSILON;
+    let reach = radius * SPHERE_ROUNDING + greatest(r) * 8.0 * EPSILON;
     let under_root = reach * reach - dot(closest, closest);
     if !(under_root >= 0.0) {
         return hit;
@@ -83,7 +88,7 @@ fn flat_slab(
 }
 
 fn cut(at: f32, along: f32, reach: f32, bounds: ptr<function, vec2<f32>>) {
-    if abs(along) < 1e-18 {
+    if abs(along) < PARALLEL {
         if abs(at) > reach {
             (*bounds).y = -INFINITE;
         }

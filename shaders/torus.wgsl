@@ -173,7 +173,7 @@ fn root_between(from_t: f32, to_t: f32, q: Quartic, of_slope: bool) -> Bracket {
         let next = select(low + (high - low) * 0.5, newton, newton > low && newton < high);
         let change = abs(next - t);
         t = next;
-        if change <= EPSILON * 0.5 {
+        if change <= EPSILON * 2.0 {
             break;
         }
     }

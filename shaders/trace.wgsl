@@ -71,7 +71,6 @@ fn trace_part(ray: PartRay, instance: u32, near: Distance, collected: ptr<functi
     }
 }
 
-// The twin's test in `trace_face` and `trace_leaf`.
 fn is_between(distance: Distance, near: Distance, far: Distance) -> bool {
     return minus(distance, near) >= 0.0 && minus(distance, far) <= 0.0;
 }
@@ -126,7 +125,7 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         }
         let covered = leaf_cover(index, domain, root);
         if covered != OUTSIDE {
-            let is_certain = covered == INSIDE && !root.footprint.is_grazing;
+            let is_certain = covered == INSIDE && !root.footprint.is_grazing && !roots.is_cut;
             accept(collected, RawHit(distance, instance, face, net, root.uv, is_certain));
         }
     }

@@ -173,7 +173,7 @@ fn kernels_validate() {
 const WITHOUT_TWIN: [&str; 11] = [
     "advance",
     "add_search",
-    "is_between",
+    "search_from",
     "apply_axes",
     "control_point",
     "moved_point",

@@ -1,14 +1,14 @@
-//! Hits against analytic truth: spheres, cylinders and tori, as such and as rational B-splines, in f64 within 10⁻¹² of their size.
+//! Hits against analytic truth: spheres, tori, blocks, cylinders and cones, some also as rational B-splines, in f64 within 10⁻¹² of their size.
 //!
 //! A hit lies on its ray, so that it is right where the surface's own equation holds at it; counts are those of the equation's real roots.
 
 use glam::DVec3;
 use trimray::bake::{BakeOptions, bake};
 use trimray::bench::chord;
-use trimray::brep::{Body, BodyKind, Face, Model, Part};
+use trimray::brep::{Body, BodyKind, Face, Id, Model, Part, primitive};
 use trimray::geometry::{BsplineSurface, Frame, Homogeneous, Surface};
-use trimray::render::Ray;
-use trimray::render::cpu::{Precision, probe};
+use trimray::render::cpu::{Precision, probe, probe_with};
+use trimray::render::{Exactness, Ray};
 use trimray::scene::{FaceKind, SceneBuffers};
 
 const RAYS: u64 = 20_000;
@@ -24,14 +24,18 @@ fn scene_of(surface: Surface) -> SceneBuffers {
     let surface = model.surfaces.push(surface);
     let (color, name) = (None, String::new());
     let face = model.faces.push(Face { surface, same_sense: true, loops: vec![], color, name, entity: 1 });
-    let body = Body { kind: BodyKind::Solid, faces: vec![face], name: String::new(), entity: 2 };
+    let buffers = solid_of(model, vec![face]);
+    assert_eq!(buffers.faces.len(), 1, "{:?}", buffers.metadata.findings);
+    buffers
+}
+
+fn solid_of(mut model: Model, faces: Vec<Id<Face>>) -> SceneBuffers {
+    model.declared_faces = faces.len();
+    let body = Body { kind: BodyKind::Solid, faces, name: String::new(), entity: 2 };
     let part = Part { name: "part".into(), bodies: vec![body], children: vec![], entity: 3 };
     let part = model.parts.push(part);
     model.roots.push(part);
-    model.declared_faces = 1;
-    let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
-    assert_eq!(buffers.faces.len(), 1, "{:?}", buffers.metadata.findings);
-    buffers
+    bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {})
 }
 
 /// Half the diagonal of a quarter circle's control polygon: the weight of its middle point.
@@ -156,4 +160,161 @@ fn a_cylinder_agrees_with_its_equation() {
     }
     eprintln!("cylinder: {compared} hits, as nets off by {worst:.1e} mm");
     assert!(compared > 5_000 && worst <= TOLERANCE * 3.0, "{compared} {worst:e}");
+}
+
+/// A convex solid between two heights: where a ray is inside of its walls, and how far a point is off its surface.
+struct Convex {
+    name: &'static str,
+    build: fn(&mut Model) -> Option<Vec<Id<Face>>>,
+    height: f64,
+    within: fn(&Ray) -> Option<[f64; 2]>,
+    off: fn(DVec3) -> f64,
+}
+
+/// Where `a t² + 2 b t + c <= 0`, for a wall that is convex.
+fn quadratic([a, b, c]: [f64; 3]) -> Option<[f64; 2]> {
+    let root = (b * b - a * c).sqrt();
+    (root > 0.0).then(|| [(-b - root) / a, (-b + root) / a])
+}
+
+/// The ray in a round wall whose radius is `r + k z`.
+fn round(ray: &Ray, r: f64, k: f64) -> Option<[f64; 2]> {
+    let (o, d) = (ray.origin, ray.direction);
+    let (rho, change) = (r + k * o.z, k * d.z);
+    let inner = |p: DVec3, q: DVec3| p.truncate().dot(q.truncate());
+    let terms = [inner(d, d) - change * change, inner(o, d) - rho * change, inner(o, o) - rho * rho];
+    let [first, last] = quadratic(terms)?;
+    if terms[0] > 0.0 {
+        return (r + k * (o.z + d.z * first) > 0.0).then_some([first, last]);
+    }
+    // It leaves one nappe and goes on in the other: inside from the root in ours on, or up to it.
+    let [near, far] = [first.min(last), first.max(last)];
+    Some(if change > 0.0 { [far, f64::INFINITY] } else { [f64::NEG_INFINITY, near] })
+}
+
+fn block_walls(ray: &Ray) -> Option<[f64; 2]> {
+    let across = |o: f64, d: f64, size: f64| {
+        let (a, b) = (-o / d, (size - o) / d);
+        [a.min(b), a.max(b)]
+    };
+    let [x, y] = [0, 1].map(|k| across(ray.origin[k], ray.direction[k], [6.0, 4.0][k]));
+    Some([x[0].max(y[0]), x[1].min(y[1])])
+}
+
+const CONVEX: [Convex; 3] = [
+    Convex {
+        name: "block",
+        build: |model| primitive::block(model, &Frame::IDENTITY, DVec3::new(6.0, 4.0, 2.0), 1),
+        height: 2.0,
+        within: block_walls,
+        off: |p| {
+            let beside = (p - DVec3::new(3.0, 2.0, 1.0)).abs() - DVec3::new(3.0, 2.0, 1.0);
+            beside.max_element().abs()
+        },
+    },
+    Convex {
+        name: "cylinder",
+        build: |model| primitive::frustum(model, &Frame::IDENTITY, [2.0, 2.0], 5.0, 1),
+        height: 5.0,
+        within: |ray| round(ray, 2.0, 0.0),
+        off: |p| (p.truncate().length() - 2.0).max((p.z - 2.5).abs() - 2.5).abs(),
+    },
+    Convex {
+        name: "cone",
+        build: |model| primitive::frustum(model, &Frame::IDENTITY, [2.0, 0.0], 4.0, 1),
+        height: 4.0,
+        within: |ray| round(ray, 2.0, -0.5),
+        off: |p| {
+            let beside = (p.truncate().length() - (2.0 - 0.5 * p.z)) * 0.8f64.sqrt();
+            beside.max((p.z - 2.0).abs() - 2.0).abs()
+        },
+    },
+];
+
+#[test]
+fn planes_cylinders_and_cones_agree_with_their_equations() {
+    for Convex { name, build, height, within, off } in CONVEX {
+        let mut model = Model::default();
+        let faces = build(&mut model).expect("a solid");
+        let scene = solid_of(model, faces);
+        assert!(scene.faces.iter().all(|face| face.kind != FaceKind::Nets as u32), "{name}");
+        let rays: Vec<Ray> = (0..RAYS).map(|index| chord(&scene.scene(), index)).collect();
+        let (found, worst) = hits(&scene, &rays, off);
+        let mut compared = 0;
+        for (ray, found) in rays.iter().zip(&found) {
+            let Some(found) = found else { continue };
+            let (o, d) = (ray.origin.z, ray.direction.z);
+            let ends = [-o / d, (height - o) / d];
+            let inside =
+                within(ray).map(|[from, to]| [from.max(ends[0].min(ends[1])), to.min(ends[0].max(ends[1]))]);
+            let length = inside.map_or(-1.0, |[from, to]| to - from);
+            // Past an edge, by less than the slack.
+            if length.abs() < 1e-3 {
+                continue;
+            }
+            assert_eq!(found.len(), if length > 0.0 { 2 } else { 0 }, "{name}: {ray:?} {inside:?}");
+            for (t, expected) in found.iter().zip(inside.into_iter().flatten()) {
+                assert!((t - expected).abs() * STEEP < TOLERANCE * 8.0, "{name}: {ray:?} {t} {expected}");
+            }
+            compared += found.len();
+        }
+        eprintln!("{name}: {compared} hits, off by {worst:.1e} mm");
+        assert!(compared > 4_000 && worst <= TOLERANCE * 8.0, "{name}: {compared} {worst:e}");
+    }
+}
+
+/// Rays through the poles of a sphere that is a net, and past them by 10⁻⁹ to 10⁻² mm: twice the sphere, whatever mode finds them, with its own normals.
+#[test]
+fn poles_of_a_net_are_met_once() {
+    let [Case { spline, .. }, _] = cases();
+    let buffers = scene_of(Surface::Bspline(spline));
+    let scene = buffers.scene();
+    let rays: Vec<Ray> = (0..400)
+        .map(|index| {
+            let direction = chord(&scene, index).direction;
+            let beside = chord(&scene, index + 1000).direction;
+            let offset = if index % 2 == 0 { 0.0 } else { 10f64.powf(-9.0 + 7.0 * (index as f64 / 400.0)) };
+            let pole = DVec3::Z * if index % 4 < 2 { RADIUS } else { -RADIUS };
+            Ray { origin: pole + beside * offset - direction * 10.0, direction }
+        })
+        .chain([Ray { origin: DVec3::Z * 10.0, direction: DVec3::NEG_Z }])
+        .filter(|ray| ray.direction.z.abs() > 0.05)
+        .collect();
+    for (precision, off) in [(Precision::F32, 4e-6), (Precision::F64, 4e-6)] {
+        for (ray, hits) in rays.iter().zip(probe_with(&scene, &rays, precision, false, Exactness::Exact)) {
+            assert_eq!(hits.len(), 2, "{precision:?} {ray:?}: {hits:?}");
+            for hit in hits {
+                let at = ray.origin + ray.direction * hit.t;
+                assert!((at.length() - RADIUS).abs() < off, "{precision:?} {ray:?}: {hit:?}");
+                assert!((hit.normal - at / RADIUS).length() < 1e-3, "{precision:?} {ray:?}: {hit:?}");
+            }
+        }
+        // From pole to pole.
+        for exactness in [Exactness::Fast, Exactness::Balanced] {
+            let axis = probe_with(&scene, &rays[rays.len() - 1..], precision, false, exactness);
+            assert_eq!(axis[0].len(), 2, "{precision:?} {exactness:?}: {axis:?}");
+        }
+    }
+}
+
+/// A ray just outside of a silhouette, within the slack, may meet it or not, but not more often than a line can.
+#[test]
+fn silhouettes_are_met_twice_at_most() {
+    let [Case { spline, .. }, _] = cases();
+    let buffers = scene_of(Surface::Bspline(spline));
+    let rays: Vec<Ray> = (0..400)
+        .map(|index| {
+            let normal = chord(&buffers.scene(), index).direction;
+            let (first, second) = normal.any_orthonormal_pair();
+            let (sin, cos) = (index as f64).sin_cos();
+            let direction = first * cos + second * sin;
+            let height = RADIUS + 10f64.powf(-9.0 + 2.0 * (index as f64 / 400.0));
+            Ray { origin: normal * height - direction * 10.0, direction }
+        })
+        .collect();
+    for precision in [Precision::F32, Precision::F64] {
+        for (ray, hits) in rays.iter().zip(probe(&buffers.scene(), &rays, precision, false)) {
+            assert!(matches!(hits.len(), 0 | 2), "{precision:?} {ray:?}: {hits:?}");
+        }
+    }
 }

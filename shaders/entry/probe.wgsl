@@ -63,5 +63,5 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     let world_ray = WorldRay(ray.grid, ray.fraction, ray.direction, ray.direction_low);
     let near = Distance(ray.near_anchor, ray.near_offset);
     trace(world_ray, near, &collected);
-    counts[id.x] = select(collected.count, INCOMPLETE, turns > MOST_TURNS);
+    counts[id.x] = select(collected.count, INCOMPLETE, was_cut());
 }

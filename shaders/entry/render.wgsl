@@ -62,6 +62,6 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         center.instance = hit.instance + 1u;
         center.face = hit.face + 1u;
     }
-    center.incomplete |= u32(turns > MOST_TURNS);
+    center.incomplete |= u32(was_cut());
     centers[id.x] = center;
 }

@@ -3,6 +3,16 @@
 // Turns of all loops so far, counted on software devices alone; render/gpu/kernels.rs says why.
 var<private> turns: u32;
 
+// Whether the kernel has used up its turns. Where a driver has ended its loops before that, this one ends after its first turn too.
+fn was_cut() -> bool {
+    let start = turns;
+    var i = start;
+    while i < start + 3u {
+        i += 1u;
+    }
+    return turns > MOST_TURNS || i != start + 3u;
+}
+
 @group(0) @binding(0) var<storage, read> bvh_nodes: array<BvhNode>;
 @group(0) @binding(1) var<storage, read> primitives: array<u32>;
 @group(0) @binding(2) var<storage, read> instances: array<Instance>;

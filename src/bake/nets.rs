@@ -64,11 +64,12 @@ pub(super) fn bake_nets(
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
+        let point_sides = slab::point_sides(&patch);
         let reach = slab::bounds(&patch).diagonal();
         let (found, is_cut) = leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size);
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
-        Ok(BakedSpan { domain, degrees, points, leaves, is_mixed, reach })
+        Ok(BakedSpan { domain, degrees, point_sides, points, leaves, is_mixed, reach })
     };
     let ends = surface.domain();
     let bake_strip = |strip: Vec<PatchSpan>| -> Result<Vec<BakedSpan>, String> {
@@ -99,6 +100,7 @@ pub(super) fn bake_nets(
 struct BakedSpan {
     domain: Domain,
     degrees: [usize; 2],
+    point_sides: u32,
     points: Vec<DVec4>,
     leaves: Vec<(NetLeaf, Aabb)>,
     is_mixed: bool,
@@ -121,7 +123,10 @@ impl Nets {
         let net = self.nets.len() as u32;
         self.nets.push(Net {
             first_point: self.points.len() as u32,
-            degrees: span.degrees[0] as u32 | (span.degrees[1] as u32) << 8 | u32::from(is_rational) << 16,
+            degrees: span.degrees[0] as u32
+                | (span.degrees[1] as u32) << 8
+                | u32::from(is_rational) << 16
+                | span.point_sides,
             face: 0,
             reserved: 0,
             uv_low: narrow::pair(span.domain.low),

@@ -9,7 +9,7 @@ use super::narrow;
 use super::tensor::Tensor;
 use crate::geometry::{BezierPatch, Homogeneous};
 use crate::numeric::Aabb;
-use crate::scene::{NetLeaf, bend_byte};
+use crate::scene::{NetLeaf, bend_byte, point_side};
 use glam::{DMat3, DVec3};
 
 /// Tangents shorter than this share of the patch's size, or nearly parallel ones (sine), span no usable frame.
@@ -22,8 +22,11 @@ const POLE_RATIO: f64 = 1.0 / 64.0;
 /// Weights in one leaf may differ by this factor.
 const MAX_WEIGHT_RATIO: f64 = 4.0;
 
-/// Rational patches with more control points get no certificate: the products cost the square of this.
-const MAX_CERTIFIED_POINTS: usize = 100;
+/// Derivatives of rational patches with more control points are bounded term by term: the products cost the square of this.
+const MAX_PRODUCT_POINTS: usize = 100;
+
+/// Control points of one side that lie within this share of the patch's coordinates are one point: single precision makes no other difference.
+const ONE_POINT: f64 = 1.0 / 4_194_304.0;
 
 /// How a patch fits its frame.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +50,23 @@ fn points(patch: &BezierPatch) -> Vec<DVec3> {
 /// A box around the patch.
 pub(super) fn bounds(patch: &BezierPatch) -> Aabb {
     Aabb::around(patch.points.iter().map(|p| p.point()))
+}
+
+/// The sides that are one point, as [`point_side`]s.
+pub(super) fn point_sides(patch: &BezierPatch) -> u32 {
+    let [p, q] = patch.degrees;
+    let cartesian = points(patch);
+    let farthest = cartesian.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let is_point = |axis: usize, end: usize| {
+        let fixed = end * patch.degrees[axis];
+        let at = |k: usize| cartesian[if axis == 0 { fixed * (q + 1) + k } else { k * (q + 1) + fixed }];
+        (1..=patch.degrees[1 - axis]).all(|k| at(k).distance(at(0)) <= farthest * ONE_POINT)
+    };
+    debug_assert_eq!(cartesian.len(), (p + 1) * (q + 1));
+    [(0, 0), (0, 1), (1, 0), (1, 1)]
+        .into_iter()
+        .filter(|&(axis, end)| is_point(axis, end))
+        .fold(0, |sides, (axis, end)| sides | point_side(axis, end))
 }
 
 /// Fits the frame of mean tangents.
@@ -226,14 +246,23 @@ pub(super) fn grow(leaf: &mut NetLeaf, slack: f64) {
 
 /// The bytes E_α, E_β, E_γ and M.
 fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2]) -> u32 {
-    const NO_BOUNDS: u32 = u32::MAX;
     // For the roundings of the record's own numbers, as in the extents.
     const SLACK: f64 = 1.0 / 4096.0;
-    let is_rational = patch.points.iter().any(|p| p.w != patch.points[0].w);
-    if !fit.is_skew || is_rational && patch.points.len() > MAX_CERTIFIED_POINTS {
-        return NO_BOUNDS;
-    }
     let shortest = tangents[0].length().min(tangents[1].length());
+    let second = second_derivatives(patch) / shortest;
+    // The frame of a stand-in says nothing of the tangents.
+    let first = if fit.is_skew { deviations(patch, dual, shortest) } else { [f64::INFINITY; 3] };
+    let contraction = first
+        .into_iter()
+        .enumerate()
+        .fold(0, |word, (byte, bound)| word | narrow::bound_byte(bound + SLACK) << (8 * byte));
+    contraction | bend_byte(narrow::above(second + SLACK)) << 24
+}
+
+/// Bounds of E_α, E_β and E_γ.
+fn deviations(patch: &BezierPatch, dual: &DMat3, shortest: f64) -> [f64; 3] {
+    let is_rational = patch.points.iter().any(|p| p.w != patch.points[0].w);
+    let has_products = is_rational && patch.points.len() <= MAX_PRODUCT_POINTS;
     // About the middle, so that numerators are small where the patch is far from the origin.
     let middle = bounds(patch).center();
     let scalar = |f: &dyn Fn(DVec3, f64) -> f64| {
@@ -243,39 +272,53 @@ fn certificate(patch: &BezierPatch, fit: &Fit, dual: &DMat3, tangents: [DVec3; 2
     let weight = scalar(&|_, w| w);
     let least = weight.least();
     let axes = [0, 1, 2].map(|k| scalar(&|x, _| dual.row(k).dot(x)));
-    let square = is_rational.then(|| weight.times(&weight));
+    let reach = [0, 1, 2]
+        .map(|k| patch.points.iter().map(|p| dual.row(k).dot(p.point() - middle).abs()).fold(0.0, f64::max));
+    let square = has_products.then(|| weight.times(&weight));
     let weight_slopes = [0, 1].map(|along| weight.derivative(along));
     // max |∂x − target| for each coordinate and parameter.
-    let deviation = |x: &Tensor, along: usize, target: f64| {
-        let slope = x.derivative(along);
-        let Some(square) = &square else { return slope.farthest_from(target * least) / least };
-        let numerator = slope.times(&weight).minus(&x.times(&weight_slopes[along]));
+    let deviation = |k: usize, along: usize, target: f64| {
+        let slope = axes[k].derivative(along);
+        if !is_rational {
+            return slope.farthest_from(target * least) / least;
+        }
+        let Some(square) = &square else {
+            // x_s − target = (X_s − target w − x w_s) / w, each term bounded by itself.
+            let off = slope.minus(&weight.clone().scaled_by(target)).farthest_from(0.0);
+            return (off + reach[k] * weight_slopes[along].farthest_from(0.0)) / least;
+        };
+        let numerator = slope.times(&weight).minus(&axes[k].times(&weight_slopes[along]));
         let off = if target == 0.0 { numerator } else { numerator.minus(&square.clone().scaled_by(target)) };
         off.farthest_from(0.0) / (least * least)
     };
-    let e_alpha = deviation(&axes[0], 0, 1.0) + deviation(&axes[0], 1, 0.0);
-    let e_beta = deviation(&axes[1], 0, 0.0) + deviation(&axes[1], 1, 1.0);
-    let e_gamma = (deviation(&axes[2], 0, 0.0) + deviation(&axes[2], 1, 0.0)) / shortest;
-    let second = second_derivatives(patch, middle, &weight) / shortest;
-    let contraction = [e_alpha, e_beta, e_gamma]
-        .into_iter()
-        .enumerate()
-        .fold(0, |word, (byte, bound)| word | narrow::bound_byte(bound + SLACK) << (8 * byte));
-    contraction | bend_byte(narrow::above(second + SLACK)) << 24
+    [
+        deviation(0, 0, 1.0) + deviation(0, 1, 0.0),
+        deviation(1, 0, 0.0) + deviation(1, 1, 1.0),
+        (deviation(2, 0, 0.0) + deviation(2, 1, 0.0)) / shortest,
+    ]
 }
 
 /// A bound of `|S_ss| + 2 |S_st| + |S_tt|`.
 ///
-/// With `S = X / w` about the middle: `S_st = (X_st − w_s S_t − w_t S_s − w_st S) / w`, `S_s = (X_s − w_s S) / w`, each term bounded by itself.
-fn second_derivatives(patch: &BezierPatch, middle: DVec3, weight: &Tensor) -> f64 {
+/// With `S = X / w` about some point: `S_st = (X_st − w_s S_t − w_t S_s − w_st S) / w`, `S_s = (X_s − w_s S) / w`, each term bounded by itself. That point is the
+/// middle, or a side that is one point: all terms of S_ss along it then fall to 0 towards it as `render::cpu::isolate` says, where S itself is bounded by
+/// its numerator too.
+fn second_derivatives(patch: &BezierPatch) -> f64 {
+    let pole = pole(patch);
+    let about = pole.unwrap_or_else(|| bounds(patch).center());
+    let weight = Tensor::new(patch.degrees, patch.points.iter().map(|p| p.w).collect());
     let axes = [0, 1, 2].map(|k| {
-        let of = |p: &glam::DVec4| (p.truncate() - middle * p.w)[k];
+        let of = |p: &glam::DVec4| (p.truncate() - about * p.w)[k];
         Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
     });
     let least = weight.least();
-    let radius = patch.points.iter().map(|p| p.point().distance(middle)).fold(0.0, f64::max);
+    let size = |p: &glam::DVec4| {
+        let distance = p.point().distance(about);
+        if pole.is_some() { distance * (p.w / least) } else { distance }
+    };
+    let radius = patch.points.iter().map(size).fold(0.0, f64::max);
     let slopes_of = |x: &Tensor| [0, 1].map(|along| x.derivative(along));
-    let (slopes, w_slopes) = (axes.each_ref().map(slopes_of), slopes_of(weight));
+    let (slopes, w_slopes) = (axes.each_ref().map(slopes_of), slopes_of(&weight));
     let greatest = |x: &Tensor| x.farthest_from(0.0);
     let norm = |f: &dyn Fn(&[Tensor; 2]) -> f64| slopes.iter().map(|x| f(x).powi(2)).sum::<f64>().sqrt();
     let w_first = [0, 1].map(|along| greatest(&w_slopes[along]));
@@ -286,4 +329,16 @@ fn second_derivatives(patch: &BezierPatch, middle: DVec3, weight: &Tensor) -> f6
         (x_ab + w_first[a] * first[b] + w_first[b] * first[a] + w_ab * radius) / least
     };
     second(0, 0) + 2.0 * second(0, 1) + second(1, 1)
+}
+
+/// The first of the sides that are one point, in the order of `render::cpu::isolate::leaf_pole`.
+fn pole(patch: &BezierPatch) -> Option<DVec3> {
+    let sides = point_sides(patch);
+    let corner = |axis: usize, end: usize| {
+        if axis == 0 { end * patch.degrees[0] * (patch.degrees[1] + 1) } else { end * patch.degrees[1] }
+    };
+    [(0, 0), (0, 1), (1, 0), (1, 1)]
+        .into_iter()
+        .find(|&(axis, end)| sides & point_side(axis, end) != 0)
+        .map(|(axis, end)| patch.points[corner(axis, end)].point())
 }

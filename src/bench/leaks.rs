@@ -5,7 +5,7 @@
 use super::rays::{aimed, chord};
 use crate::brep::{Edge, Id, Model, TrimLoop, occurrences};
 use crate::render::Ray;
-use crate::render::cpu::{Precision, probe};
+use crate::render::cpu::{Choice, Precision, choices};
 use crate::scene::Scene;
 use glam::{DAffine3, DVec3};
 
@@ -22,6 +22,12 @@ pub struct Leaks {
     pub rays: u64,
     /// Those with an odd number of hits.
     pub odd: u64,
+    /// Those that were odd before hits were left out to make them even.
+    pub odd_before: u64,
+    /// Hits left out.
+    pub left_out: u64,
+    /// Rays with two hits at one place of a body and from one side: even, but not right.
+    pub repeated: u64,
     /// The first of those, as many as asked for.
     pub shown: Vec<Ray>,
 }
@@ -34,11 +40,11 @@ impl Leaks {
 }
 
 /// Where `k` of `n` rays were seen to be something, with a confidence of 95 % no more than this share of all such rays is (Wilson's upper
-/// bound; three by the number where none was).
+/// bound; three by the number where none was). Of none, all may be so.
 pub fn rate_bound(n: u64, k: u64) -> f64 {
     let (n, p) = (n.max(1) as f64, k as f64 / n.max(1) as f64);
     if k == 0 {
-        return 3.0 / n;
+        return (3.0 / n).min(1.0);
     }
     let z = 1.96;
     let spread = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
@@ -118,13 +124,28 @@ fn count_odd(
     let mut leaks = Leaks { rays: count, ..Leaks::default() };
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
-        let found = probe(scene, &rays, precision, false);
-        for (ray, _) in rays.iter().zip(&found).filter(|(_, hits)| hits.len() % 2 == 1) {
-            leaks.odd += 1;
-            if leaks.shown.len() < show {
+        for (ray, choice) in rays.iter().zip(choices(scene, &rays, precision)) {
+            let Choice { places, hits, is_repeated } = choice;
+            leaks.odd += (hits % 2) as u64;
+            leaks.odd_before += (places % 2) as u64;
+            leaks.left_out += (places - hits) as u64;
+            leaks.repeated += u64::from(is_repeated);
+            if hits % 2 == 1 && leaks.shown.len() < show {
                 leaks.shown.push(*ray);
             }
         }
     }
     leaks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rate_bound;
+
+    #[test]
+    fn a_bound_is_a_share() {
+        assert_eq!([rate_bound(0, 0), rate_bound(1, 0), rate_bound(3000, 0)], [1.0, 1.0, 1e-3]);
+        let some = rate_bound(100, 7);
+        assert!(some > 0.07 && some < 0.15, "{some}");
+    }
 }

@@ -5,6 +5,9 @@ use super::args_bench_trim::BenchTrim;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
+/// The greatest number of a first ray: the numbers of all that follow are whole 64-bit numbers.
+const MAX_FIRST: u64 = 1 << 62;
+
 /// Measures how fast trimray is on this machine, and how exact.
 #[derive(Debug, Args)]
 pub(super) struct Bench {
@@ -65,7 +68,7 @@ pub(super) struct BenchAccuracy {
     #[arg(long, value_name = "RADII", default_value_t = 0.0, value_parser = parse_distance)]
     pub(super) distance: f64,
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
     /// One JSON object a line.
     #[arg(long)]
@@ -75,7 +78,7 @@ pub(super) struct BenchAccuracy {
 /// Run time against error: first hits at five distortions of the leaves, three exactnesses and two precisions.
 ///
 /// Each setting's bake time, bytes, nanoseconds a ray on one thread, and the errors of its first hits against the f64 reference, in diagonals of
-/// the scene. `--csv` appends rows that tools/rival/mesh_embree.py writes too, for a mesh of the same model; `--rival` reads those, so that the
+/// the scene. `--csv` writes rows that tools/rival/mesh_embree.py writes too, for a mesh of the same model; `--rival` reads those, so that the
 /// plot shows both.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -90,7 +93,7 @@ pub(super) struct BenchWork {
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) rays: u64,
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
     /// Write the rows here, as comma-separated values.
     #[arg(long, value_name = "FILE")]
@@ -106,7 +109,9 @@ pub(super) struct BenchWork {
 /// Rays that see an odd number of walls of closed solids.
 ///
 /// Half of the rays are chords of the scene's bounding sphere, half pass by edges at 1e-9 to 1e-3 of the scene's size. `closed` says whether the
-/// model is made of whole solids alone; where it is not, odd rays are no fault. Rates are upper bounds at 95 %.
+/// model is made of whole solids alone; where it is not, odd rays are no fault. Rates are upper bounds at 95 %. Near edges and tangents more hits are
+/// found than a body can have: `before` counts the rays that are odd before the fewest hits are left out that make them even, `left out` those
+/// hits, and `repeated` the rays that keep two hits at one place and from one side.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -120,7 +125,7 @@ pub(super) struct BenchLeaks {
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=10_000_000_000))]
     pub(super) rays: u64,
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
     /// Numbers to compute with [default: both].
     #[arg(long, value_enum)]
@@ -150,7 +155,7 @@ pub(super) struct BenchStress {
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
     pub(super) rays: u64,
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
     /// Only the scenes whose names begin so.
     #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]

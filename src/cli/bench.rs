@@ -33,6 +33,11 @@ pub(super) fn precisions(
         .map(|(name, _, precision)| (name, precision))
 }
 
+/// An upper bound of a share of `count` things; nothing is known where there are none.
+pub(super) fn rate_text(count: u64, bound: f64) -> String {
+    if count == 0 { "-".to_owned() } else { format!("{bound:.0e}") }
+}
+
 /// Origin and direction of a ray, for JSON.
 pub(super) fn ray_numbers(ray: Ray) -> [[f64; 3]; 2] {
     [ray.origin.to_array(), ray.direction.to_array()]

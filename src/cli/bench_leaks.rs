@@ -1,7 +1,7 @@
 //! `trimray bench leaks`: odd rays of closed solids.
 
 use super::args_bench::BenchLeaks;
-use super::bench::{precisions, ray_numbers};
+use super::bench::{precisions, rate_text, ray_numbers};
 use crate::bake::{BakeOptions, bake};
 use crate::bench::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 use crate::import::import;
@@ -26,6 +26,9 @@ struct Count {
     rays: u64,
     odd: u64,
     bound: f64,
+    odd_before: u64,
+    left_out: u64,
+    repeated: u64,
     /// Origins and directions of some odd rays.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     shown: Vec<[[f64; 3]; 2]>,
@@ -34,18 +37,24 @@ struct Count {
 impl From<&Leaks> for Count {
     fn from(leaks: &Leaks) -> Self {
         let shown = leaks.shown.iter().copied().map(ray_numbers).collect();
-        Self { rays: leaks.rays, odd: leaks.odd, bound: leaks.bound(), shown }
+        let Leaks { rays, odd, odd_before, left_out, repeated, .. } = *leaks;
+        Self { rays, odd, bound: leaks.bound(), odd_before, left_out, repeated, shown }
     }
+}
+
+/// The head of [`columns`].
+const HEAD: &str = "       kind        rays   odd    rate <    before  left out  repeated";
+
+fn columns(kind: &str, leaks: &Leaks) -> String {
+    let Leaks { rays, odd, odd_before, left_out, repeated, .. } = *leaks;
+    let bound = rate_text(rays, leaks.bound());
+    format!("{kind:>11}{rays:>12}{odd:>6}{bound:>10}{odd_before:>10}{left_out:>10}{repeated:>10}")
 }
 
 pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if !command.json {
-        writeln!(
-            out,
-            "{:<4}{:>7}{:>10}{:>12}{:>8}{:>10}{:>12}{:>8}{:>10}  file",
-            "", "closed", "gap, mm", "uniform", "odd", "rate <", "aimed", "odd", "rate <"
-        )?;
+        writeln!(out, "{:<4}{:>7}{:>10}{HEAD}{HEAD}  file", "", "closed", "gap, mm")?;
     }
     for path in &command.inputs {
         let model = import(path)?;
@@ -77,14 +86,10 @@ pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {
             } else {
                 writeln!(
                     out,
-                    "{name:<4}{:>7}{gap:>10.1e}{:>12}{:>8}{:>10.1e}{:>12}{:>8}{:>10.1e}  {}",
+                    "{name:<4}{:>7}{gap:>10.1e}{}{}  {}",
                     if closed { "yes" } else { "no" },
-                    uniform.rays,
-                    uniform.odd,
-                    uniform.bound(),
-                    aimed.rays,
-                    aimed.odd,
-                    aimed.bound(),
+                    columns("uniform", &uniform),
+                    columns("aimed", &aimed),
                     path.display()
                 )?;
                 for ray in uniform.shown.iter().chain(&aimed.shown) {

@@ -1,7 +1,7 @@
 //! `trimray bench stress`: scenes that are hard to trace.
 
 use super::args_bench::BenchStress;
-use super::bench::{precisions, ray_numbers};
+use super::bench::{precisions, rate_text, ray_numbers};
 use crate::bench::stress::{Change, RayKind, SUBJECTS, Sameness, StressScene, cases, measure_sameness};
 use crate::bench::{Accuracy, rate_bound};
 use crate::render::cpu::Precision;
@@ -102,7 +102,7 @@ pub(super) fn run(command: &BenchStress) -> anyhow::Result<()> {
         )?;
     }
     for subject in subjects {
-        for change in Change::ALL {
+        for change in subject.changes() {
             for (precision, kind) in precisions.clone() {
                 let found = measure_sameness(subject, change, kind, command.first, command.rays);
                 let line = same_line(subject.name, change, precision, &found);
@@ -208,10 +208,12 @@ fn write_head(out: &mut impl Write) -> std::io::Result<()> {
 
 fn write_row(out: &mut impl Write, line: &Line<'_>) -> std::io::Result<()> {
     let odd = line.odd.map_or("-".to_owned(), |odd| odd.to_string());
-    let bound = line.odd_bound.map_or("-".to_owned(), |bound| format!("{bound:.0e}"));
+    let bound = line.odd_bound.map_or("-".to_owned(), |bound| rate_text(line.traced, bound));
+    let missed_bound = rate_text(line.hits, line.missed_bound);
+    let phantom_bound = rate_text(line.certain, line.phantom_bound);
     writeln!(
         out,
-        "{:<20}{:<7}{:<4}{:>9}{:>9}{:>9}{:>7}{:>9.0e}{:>8}{:>9.0e}{:>9.1e}{:>9.1e}{:>9.1e}{odd:>6}{bound:>9}{:>8.2}",
+        "{:<20}{:<7}{:<4}{:>9}{:>9}{:>9}{:>7}{missed_bound:>9}{:>8}{phantom_bound:>9}{:>9.1e}{:>9.1e}{:>9.1e}{odd:>6}{bound:>9}{:>8.2}",
         line.scene,
         line.rays,
         line.precision,
@@ -219,9 +221,7 @@ fn write_row(out: &mut impl Write, line: &Line<'_>) -> std::io::Result<()> {
         line.traced - line.certain,
         line.hits,
         line.missed,
-        line.missed_bound,
         line.phantom,
-        line.phantom_bound,
         line.median,
         line.p999,
         line.max,
@@ -236,14 +236,14 @@ fn write_row(out: &mut impl Write, line: &Line<'_>) -> std::io::Result<()> {
 fn write_same_row(out: &mut impl Write, line: &SameLine<'_>) -> std::io::Result<()> {
     writeln!(
         out,
-        "{:<16}{:<19}{:<4}{:>10}{:>10}{:>10}{:>9.0e}{:>7}{:>10.1e}",
+        "{:<16}{:<19}{:<4}{:>10}{:>10}{:>10}{:>9}{:>7}{:>10.1e}",
         line.scene,
         line.change,
         line.precision,
         line.certain,
         line.hits,
         line.different,
-        line.different_bound,
+        rate_text(line.certain, line.different_bound),
         line.apart,
         line.greatest
     )?;

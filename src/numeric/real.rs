@@ -27,8 +27,6 @@ pub trait Real:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// Half a turn.
-    const PI: Self;
     /// Positive infinity.
     const INFINITY: Self;
     /// The distance from 1 to the next number.
@@ -40,8 +38,6 @@ pub trait Real:
     fn from_f32(value: f32) -> Self;
     /// Exact.
     fn to_f64(self) -> f64;
-    /// The nearest f32.
-    fn to_f32(self) -> f32;
     /// The integer part, held to the range of the type.
     fn to_u32(self) -> u32;
     /// `|self|`.
@@ -73,7 +69,6 @@ macro_rules! impl_real {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
-            const PI: Self = std::$t::consts::PI;
             const INFINITY: Self = $t::INFINITY;
             const EPSILON: Self = $t::EPSILON;
 
@@ -88,10 +83,6 @@ macro_rules! impl_real {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
-            }
-            #[inline(always)]
-            fn to_f32(self) -> f32 {
-                self as f32
             }
             #[inline(always)]
             fn to_u32(self) -> u32 {

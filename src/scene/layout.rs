@@ -189,7 +189,7 @@ impl Face {
 pub struct Net {
     /// In `net_points`; `(degree_u + 1) · (degree_v + 1)` points, v fastest.
     pub first_point: u32,
-    /// `degree_u | degree_v << 8 | rational << 16`; not rational: all weights are 1.
+    /// `degree_u | degree_v << 8 | rational << 16`, and [`point_side`]s; not rational: all weights are 1.
     pub degrees: u32,
     /// The face.
     pub face: u32,
@@ -199,6 +199,12 @@ pub struct Net {
     pub uv_low: [f32; 2],
     /// Normalised face parameters per local unit.
     pub uv_size: [f32; 2],
+}
+
+/// Bit of [`Net::degrees`]: the side where the parameter `axis` is `end`, 0 or 1, is one point.
+#[inline(always)]
+pub const fn point_side(axis: usize, end: usize) -> u32 {
+    1 << (17 + 2 * axis + end)
 }
 
 /// A sub-domain of a net and its skew-slab bound, in face space. 64 bytes.

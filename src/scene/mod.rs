@@ -27,7 +27,7 @@ mod validate_trims;
 pub use bytes::section_bytes;
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
-    NO_MATERIAL, Net, NetLeaf, Part, bend_bound, bend_byte, primitive,
+    NO_MATERIAL, Net, NetLeaf, Part, bend_bound, bend_byte, point_side, primitive,
 };
 pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
 pub use trim::{Band, TRIM_INSIDE, TrimSegment, trim_word};

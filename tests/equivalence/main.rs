@@ -183,6 +183,31 @@ fn closed_fixtures_do_not_leak() {
     eprintln!("{rays} rays aimed at edges, {}", gpu.name());
 }
 
+/// Rays through the poles of a net, which take longest, and rays beside them in the same workgroup, which must not lose hits by that.
+#[test]
+fn poles_agree() {
+    let Some(gpu) = gpu() else { return };
+    let buffers = synthetic::ellipsoid();
+    let scene = buffers.scene();
+    let mut rays = chords(&scene, 600);
+    for (index, ray) in rays.iter_mut().enumerate().filter(|(index, _)| index % 3 == 0) {
+        let pole = DVec3::Z * if index % 2 == 0 { 2.0 } else { -2.0 };
+        let beside = DVec3::X * if index % 4 == 0 { 0.0 } else { 1e-3 };
+        ray.origin = pole + beside - ray.direction * 20.0;
+    }
+    let on_gpu = gpu.upload(&scene).unwrap();
+    let expected = cpu::probe(&scene, &rays, Precision::F32, false);
+    let found = gpu.probe(&on_gpu, &rays, false).unwrap();
+    for ((ray, on_cpu), on_gpu) in rays.iter().zip(&expected).zip(&found) {
+        let is_through_pole = ray.origin.length() > 18.0;
+        assert!(!is_through_pole || on_gpu.len() == 2, "{ray:?}: {on_gpu:?}");
+        assert!(on_gpu.len() % 2 == 0 && on_cpu.len() % 2 == 0, "{ray:?}: {on_cpu:?} {on_gpu:?}");
+    }
+    let difference = compare_hits(&rays, &expected, &found, radius(&scene), false);
+    eprintln!("poles, {}: {difference:?}", gpu.name());
+    assert!(difference.agreement() >= LEAST_AGREEMENT, "{difference:?}");
+}
+
 /// Changes on the GPU's side alone, each of which the comparison has to notice.
 #[test]
 fn canaries_are_noticed() {

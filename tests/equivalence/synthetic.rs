@@ -4,6 +4,9 @@ use glam::{DMat3, DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, cwbvh::builder::build_cwbvh};
 use std::f32::consts::{PI, TAU};
 use std::time::Duration;
+use trimray::bake::{BakeOptions, bake};
+use trimray::brep::{self, Body, BodyKind, Model};
+use trimray::geometry::{BsplineCurve, Frame, Homogeneous, Surface, to_bspline};
 use trimray::scene::primitive::{Primitive, pack};
 use trimray::scene::{
     Band, BodyInfo, BvhNode, Face, FaceInfo, FaceKind, Instance, InstanceInfo, Material, NO_MATERIAL, Net,
@@ -74,6 +77,28 @@ pub fn every_kind() -> SceneBuffers {
         Material { rgb: [0.2, 0.5, 0.9], opacity: 0.4 },
     ];
     scene
+}
+
+/// An ellipsoid of half axes 3, 3 and 2 as one rational B-spline with two poles, baked.
+pub fn ellipsoid() -> SceneBuffers {
+    const QUARTER: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let profile =
+        [[0.0, -2.0, 1.0], [3.0, -2.0, QUARTER], [3.0, 0.0, 1.0], [3.0, 2.0, QUARTER], [0.0, 2.0, 1.0]];
+    let points = profile.map(|[x, z, w]| Homogeneous::new(DVec3::new(x, 0.0, z), w)).to_vec();
+    let knots = [0, 0, 0, 1, 1, 2, 2, 2].map(f64::from).to_vec();
+    let profile = BsplineCurve::new(2, knots, points).expect("proper knots");
+    let surface = Surface::Bspline(to_bspline::revolve(&profile, &Frame::IDENTITY));
+    let mut model = Model::default();
+    let surface = model.surfaces.push(surface);
+    let face =
+        brep::Face { surface, same_sense: true, loops: vec![], color: None, name: String::new(), entity: 1 };
+    let faces = vec![model.faces.push(face)];
+    let body = Body { kind: BodyKind::Solid, faces, name: String::new(), entity: 2 };
+    let part = brep::Part { name: "ellipsoid".into(), bodies: vec![body], children: vec![], entity: 3 };
+    let part = model.parts.push(part);
+    model.roots.push(part);
+    model.declared_faces = 1;
+    bake(&model, &BakeOptions::default(), &|_, _| {})
 }
 
 /// The box of a part's boxes after a turn and a move.

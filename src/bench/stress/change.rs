@@ -48,6 +48,11 @@ impl Change {
         }
     }
 
+    /// Whether it leaves all other surfaces as they are.
+    pub(super) fn is_of_splines(self) -> bool {
+        matches!(self, Self::Elevation | Self::KnotInsertion | Self::Reparametrisation)
+    }
+
     /// Where the changed model lies: a similarity without roundings.
     pub(super) fn placement(self) -> DAffine3 {
         match self {

@@ -22,6 +22,7 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "weights-alternating", build: || single(weighted(alternating)) },
     Case { name: "weights-growing", build: || single(weighted(growing)) },
     Case { name: "degree-15", build: || single(of_degree(15)) },
+    Case { name: "degree-15-rational", build: || grazed(&[rational_of_degree(15)]) },
     Case { name: "degree-20", build: || single(of_degree(20)) },
     Case { name: "degree-25", build: || single(of_degree(25)) },
     Case { name: "chebyshev", build: || single(chebyshev()) },
@@ -93,11 +94,20 @@ fn growing(i: usize, _: usize) -> f64 {
 }
 
 fn of_degree(degree: usize) -> BsplineSurface {
+    waves_of_degree(degree, |_, _| 1.0)
+}
+
+/// With more control points than products of derivatives are made of.
+fn rational_of_degree(degree: usize) -> BsplineSurface {
+    waves_of_degree(degree, |i, j| 1.0 + 0.25 * ((i + 2 * j) % 3) as f64)
+}
+
+fn waves_of_degree(degree: usize, weight: fn(usize, usize) -> f64) -> BsplineSurface {
     let point = |s: f64, t: f64| {
         let wave = |x: f64| (x * degree as f64 * 2.1).sin();
         DVec3::new(10.0 * s, 10.0 * t, 4.0 * wave(s) * wave(t + 0.1))
     };
-    net([degree; 2], [knots(degree, &[]), knots(degree, &[])], point, |_, _| 1.0)
+    net([degree; 2], [knots(degree, &[]), knots(degree, &[])], point, weight)
 }
 
 /// z = T₁₅(2u − 1) / 4 over 10 × 10 mm: control points of up to 10⁴ mm cancel to waves of a quarter.
@@ -144,8 +154,8 @@ fn fold() -> BsplineSurface {
     net([2, 1], [knots(2, &[]), knots(1, &[])], point, |_, _| 1.0)
 }
 
-/// 10 mm long and a ten-millionth wide.
+/// 10 mm long and a thousandth wide: some hundred times what is left open of its border.
 fn strip() -> BsplineSurface {
-    let point = |s: f64, t: f64| DVec3::new(10.0 * s, 1e-7 * t, (9.0 * s).sin());
+    let point = |s: f64, t: f64| DVec3::new(10.0 * s, 1e-3 * t, (9.0 * s).sin());
     net([3, 1], [knots(3, &[0.25, 0.5, 0.75]), knots(1, &[])], point, |_, _| 1.0)
 }

@@ -27,9 +27,14 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "far-apart", build: far_apart },
     Case { name: "large-and-small", build: large_and_small },
     Case { name: "from-afar", build: || seen_from(1e4, 0.5) },
-    Case { name: "zoom", build: || seen_from(4.0, 1.0 / RATIO) },
+    Case { name: "zoom", build: zoom },
     Case { name: "features", build: || through_features(analytic_solids()) },
     Case { name: "features-net", build: || Stress { model: egg_solid(), aim: Aim::Through(egg_points()) } },
+    Case { name: "poles", build: || Stress { model: egg_solid(), aim: Aim::Past(EGG_POLES.to_vec()) } },
+    Case {
+        name: "through-poles",
+        build: || Stress { model: egg_solid(), aim: Aim::Through(EGG_POLES.to_vec()) },
+    },
     Case { name: "along-axes", build: || Stress { model: analytic_solids(), aim: Aim::Along(lattice()) } },
     Case { name: "along-axes-net", build: || Stress { model: egg_solid(), aim: Aim::Along(egg_points()) } },
     Case { name: "near-tie", build: near_tie },
@@ -88,6 +93,16 @@ fn seen_from(distance: f64, spread: f64) -> Stress {
     let points = edge_points(&model);
     Stress { model, aim: Aim::From { points, distance, spread } }
 }
+
+/// A view of a millionth of the scene: a corner of the block, and the middles of its faces.
+fn zoom() -> Stress {
+    let middles = [[3.0, 2.0, 0.0], [3.0, 2.0, 2.0], [0.0, 2.0, 1.0], [6.0, 2.0, 1.0]].map(DVec3::from_array);
+    let points = middles.into_iter().chain([DVec3::ZERO]).collect();
+    Stress { model: analytic_solids(), aim: Aim::From { points, distance: 4.0, spread: 1.0 / RATIO } }
+}
+
+/// The ends of the egg's axis.
+const EGG_POLES: [DVec3; 2] = [DVec3::new(0.0, 0.0, -4.0), DVec3::new(0.0, 0.0, 5.0)];
 
 /// Rays through vertices and edges.
 fn through_features(model: Model) -> Stress {

@@ -6,6 +6,7 @@ use super::draft::{analytic_solids, egg_solid, sheet_model, wavy};
 use super::{baked, scene_radius, truth};
 use crate::bench::{chord, edge_points};
 use crate::brep::Model;
+use crate::geometry::Surface;
 use crate::render::cpu::{Precision, probe};
 use crate::render::reference::{Reference, widened};
 use crate::render::{Hit, Ray};
@@ -19,6 +20,15 @@ pub struct Subject {
     /// For people and for `--only`.
     pub name: &'static str,
     pub(super) build: fn() -> Model,
+}
+
+impl Subject {
+    /// The changes that make another model of it: some are of B-splines alone.
+    pub fn changes(&self) -> impl Iterator<Item = Change> + use<> {
+        let model = (self.build)();
+        let has_splines = model.surfaces.iter().any(|surface| matches!(surface, Surface::Bspline(_)));
+        Change::ALL.into_iter().filter(move |change| has_splines || !change.is_of_splines())
+    }
 }
 
 /// Models that are changed.

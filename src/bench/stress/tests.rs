@@ -7,15 +7,20 @@ use glam::DAffine3;
 
 const RAYS: u64 = 100;
 
-/// Scenes on which f32 is known to make up hits, within some of its roundings of the surface: control points that are large beside the surface,
-/// degenerate nets, singular points, silhouettes.
-const BEYOND_F32: [&str; 5] = ["chebyshev", "crowded-knots", "cusp", "degree-25", "strip"];
+/// Scenes whose own rays pass through edges or cusps, of which nothing is certain; those of the closed ones are even still.
+const UNCERTAIN: [&str; 2] = ["features", "through-poles"];
 
 /// The end of its spike is thinner than what trimming tells from nothing.
 const DROPS_A_FACE: &str = "sliver-spike";
 
 #[test]
 fn nothing_is_missed() {
+    let mut wrong = Vec::new();
+    let mut check = |holds: bool, text: String| {
+        if !holds {
+            wrong.push(text)
+        }
+    };
     for case in cases() {
         let scene = case.scene();
         assert_eq!(scene.dropped.len(), usize::from(case.name == DROPS_A_FACE), "{}", case.name);
@@ -27,19 +32,20 @@ fn nothing_is_missed() {
                 eprintln!(
                     "{place}: {certain} certain, {hits} hits, {missed} missed, {phantom} made up, {odd} odd"
                 );
-                if precision == Precision::F64 || !BEYOND_F32.contains(&case.name) {
-                    assert_eq!((missed, phantom), (0, 0), "{place}: {:?}", found.wrong);
-                }
-                assert!(!scene.is_closed || odd == 0, "{place}: {:?}", found.odd_ray);
+                check(missed + phantom == 0, format!("{place}: {:?}", found.wrong));
+                let is_open = kind == RayKind::Chords || UNCERTAIN.contains(&case.name);
+                check(is_open || certain >= 5 && hits > 0, format!("{place}: too few are certain"));
+                check(!scene.is_closed || odd == 0, format!("{place}: {:?}", found.odd_ray));
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
 fn other_forms_have_the_same_hits() {
     for subject in SUBJECTS {
-        for change in Change::ALL {
+        for change in subject.changes() {
             for precision in [Precision::F32, Precision::F64] {
                 let found = measure_sameness(subject, change, precision, 0, RAYS);
                 eprintln!("{} {} {precision:?}: {found:?}", subject.name, change.name());
@@ -48,6 +54,26 @@ fn other_forms_have_the_same_hits() {
             }
         }
     }
+}
+
+/// At the apex of a cone there is no telling what a ray meets; beside it there is.
+#[test]
+fn nothing_is_certain_of_an_apex() {
+    let buffers = baked(&analytic_solids());
+    let reference = Reference::new(buffers.scene());
+    let apex = DVec3::new(3.0, 8.0, 4.0);
+    for direction in [DVec3::X, DVec3::new(0.6, 0.0, 0.8)] {
+        let ray = |target: DVec3| Ray { origin: target - direction * 50.0, direction };
+        assert!(reference.trace(&ray(apex)).is_none(), "{direction:?}");
+        assert!(reference.trace(&ray(apex - DVec3::Z)).is_some(), "{direction:?}");
+    }
+}
+
+#[test]
+fn changes_change_something() {
+    let names = |index: usize| SUBJECTS[index].changes().map(Change::name).collect::<Vec<_>>();
+    assert_eq!(names(0), ["translation", "quarter-turns", "scale", "flip"]);
+    assert_eq!(names(1).len(), Change::ALL.len());
 }
 
 #[test]

@@ -99,6 +99,9 @@ fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots
     roots
 }
 
+/// Sizes of the cone that its ray may slide by: as many times its roundings are polished away.
+const FARTHEST_SLIDE: f64 = 64.0;
+
 /// `x² + y² = (r + k z)²`, both nappes: the trim window tells them apart.
 ///
 /// The discriminant of a cone has no such form as a sphere's; three Newton steps on the implicit, evaluated at the root, make up for what
@@ -108,7 +111,7 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     let mut roots = Roots::none();
     // The closest approach to the axis, unless it is far off, as it is for rays along the axis. What the way there and back rounds is polished away.
     let slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    let is_near = slide.abs() * d.length() <= number::<T>(64.0) * (o.length() + radius.abs());
+    let is_near = slide.abs() * d.length() <= number::<T>(FARTHEST_SLIDE) * (o.length() + radius.abs());
     let slide = if is_near { slide } else { T::ZERO };
     let p = d.fused(slide, o);
     let (rho, drho) = (radius + slope * p.z, slope * d.z);

@@ -10,19 +10,21 @@ use crate::numeric::Real;
 
 /// |cos| of the angle between ray and normal below which two hits may always be found as one or not at all (cells of the last level of a leaf's
 /// quadtree are 1/256 of it, and the leaf bends by an eighth of its size).
-const GRAZING: f64 = 1.0 / 1024.0;
+pub const GRAZING: f64 = 1.0 / 1024.0;
 
 /// A ray that goes this many slacks deep into a curved surface may pass it by.
 const SHALLOW: f64 = 4.0;
 
 /// No footprint is longer than this many slacks: nearer to a tangent the surface's bend ends it.
-const LONGEST: f64 = 4096.0;
+pub const LONGEST: f64 = 4096.0;
 
 /// Parameter offsets.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Footprint<T> {
     /// Of a ray moved by the slack in two directions at right angles.
     pub beside: [[T; 2]; 2],
+    /// Of the angle between the ray and `S_u × S_v`; 0 where that is not known.
+    pub cosine: T,
     /// Whether the ray is too near to a tangent to be sure how often it meets the surface here.
     pub is_grazing: bool,
 }
@@ -74,13 +76,30 @@ pub fn footprint<T: Real>(
     let determinant = direction.dot(normal);
     let steepness = direction.length() * normal.length();
     // At an angle with this cosine a ray goes cos² / (2 curvature) deep.
-    let cosine = determinant.abs() / steepness;
+    let facing = determinant / steepness;
+    let cosine = facing.abs();
     let is_grazing =
         !(cosine > number(GRAZING) && cosine * cosine > number::<T>(2.0 * SHALLOW) * curvature * slack);
     let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
     let least = steepness * number(1.0 / LONGEST);
     let share = slack / if cosine > number(1.0 / LONGEST) { determinant } else { least };
-    Footprint { beside: sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]), is_grazing }
+    let beside = sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]);
+    Footprint { beside, cosine: facing, is_grazing }
+}
+
+/// The footprint at a pole, which takes in all of the way around; `axis` is the parameter that leads away from it, with the tangent `across`.
+pub fn pole_footprint<T: Real>(axis: usize, across: Vector3<T>, slack: T) -> Footprint<T> {
+    let (around, off) = (number::<T>(0.25), slack / across.length());
+    let place = |off: T| if axis == 0 { [off, around] } else { [around, off] };
+    Footprint { beside: [place(off), place(-off)], cosine: T::ZERO, is_grazing: true }
+}
+
+/// Whether two hits of one face, `apart` along the ray, are at one place as far as the face's slack tells, and from one side. The cosines are those of the ray
+/// with the normals: between two points of a sheet at most a slack beside the ray it rises by their mean on the way.
+#[inline]
+pub fn same_place<T: Real>(apart: T, first: T, second: T, slack: T) -> bool {
+    let steepness = ((first.abs() + second.abs()) * number(0.5)).max(number(1.0 / LONGEST));
+    first * second >= T::ZERO && apart * steepness <= slack * number(2.0)
 }
 
 #[cfg(test)]
@@ -114,5 +133,20 @@ mod tests {
         }
         let along = footprint(s_u + s_v, sides(s_u + s_v), s_u, s_v, 0.0, 0.25);
         assert!(along.is_grazing && along.extent().iter().all(|e| e.is_finite()));
+        assert!(along.cosine.abs() < 1e-12 && found.cosine > 0.9);
+    }
+
+    #[test]
+    fn places_are_the_same_within_the_slack_and_from_one_side() {
+        for (apart, first, second, expected) in [
+            (1.9, 1.0, 1.0, true),
+            (2.1, 1.0, 1.0, false),
+            (3.9, 0.0, 1.0, true),
+            (1.9, 1.0, -1.0, false),
+            (8000.0, 1e-9, 1e-9, true),
+            (8400.0, 1e-9, 1e-9, false),
+        ] {
+            assert_eq!(same_place(apart, first, second, 1.0), expected, "{apart} {first} {second}");
+        }
     }
 }

@@ -32,6 +32,13 @@ pub fn hit_normal<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> Vector3<T> {
     n * (T::ONE / n.length().max(number(1e-30)))
 }
 
+/// The slack of a hit's face, in lengths of the world: instances may scale.
+pub fn world_slack<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> T {
+    let slack = number::<T>(scene.faces[hit.face as usize].slack.into());
+    let instance = T::instance(scene, hit.instance);
+    if instance.is_translation { slack } else { slack * (T::ONE / instance.rows[0].length()) }
+}
+
 /// The hit with its distance from the ray's own origin, its normal and its surface parameters.
 pub fn finish_hit<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>, start: f64) -> Hit {
     let normalised = if hit.net == NO_NET {

@@ -1,32 +1,55 @@
 //! Where in a leaf of a net Newton's method is to start, cell by cell of a quadtree, from the whole leaf down (after Srijuntongsiri and
 //! Vavasis 2007).
 //!
-//! In a cell of half width r about a point with plane values F and derivatives J (by the leaf's own parameters), S is linear up to
-//! `½ B r²` with B a bound of `|S_ss| + 2 |S_st| + |S_tt|`. A combination `w · F` of the planes is `n · S` with `n = (w, −w · slope)`, so a root
-//! needs `|w · F| <= |w · J| r + |n| ½ B r²` for every w: for both planes, and for both rows of J⁻¹, the Newton step.
+//! In units of a cell's half sides the cell is the square [−1, 1]². With F and J the plane values and their derivatives at its middle, S is linear
+//! up to `½ B`, B a bound of `|S_ss| + 2 |S_st| + |S_tt|` there. A combination `w · F` of the planes is `n · S` with `n = (w, −w · slope)`, so a
+//! root needs `|w · F| <= |w · J| + |n| ½ B` for every w: for both planes, and for both rows of J⁻¹, the Newton step.
 //!
-//! Let `K = B max |n|` over the rows of J⁻¹, and η the step. J⁻¹ J is off the identity by at most K r in the cell, so `K r < 1` leaves room for one root,
-//! at a distance e from the middle of r at most. `K η < ½` is Kantorovich's condition, under which Newton's method does not fail:
+//! Let `K = B max |n|` over the rows of J⁻¹, and η the step. J⁻¹ J is off the identity by at most K in the cell, so `K < 1` leaves room for one root,
+//! at a distance e from the middle of 1 at most. `K η < ½` is Kantorovich's condition, under which Newton's method does not fail:
 //! after the first step `½ K e² <= ½ e` is left, and the derivative's inverse has at most doubled. Both are asked for with a tenth to spare.
+//!
+//! A leaf has one bound M of the second derivatives by its own parameters, so that `B = M r²` in a square cell of half side r.
+//!
+//! **Poles.** Where a side of the net is one point P, every cell at that side holds P, and quarters of them would be looked at by the hundred. There
+//! only the direction that leads away from the pole is halved: the leaf falls into bands [τ, 2τ] along the side, which are as much like a square
+//! as their images, and quartered from then on; and into what is left at the pole, which gets one search once its image is not much larger than the slack.
+//! In a band S_ss along the side is small: the side's control points are equal, so that with n the degree across,
+//! `S − P = Σ_{j > 0} Bⱼⁿ(τ) …` and all that is derived from it along the side are at most `1 − B₀ⁿ(τ) <= n τ` of their bounds, which the bake takes about P.
+//! `B = M max(n τ r_s², r_s r_t, r_t²)` follows.
 
-use super::bernstein::NetJet;
-use super::net::{Domain, LeafRay};
-use super::planes::plane_values;
+use super::bernstein::{NetJet, net_degrees};
+use super::net::{Domain, LeafRay, leaf_bend};
+use super::planes::{plane_jet, plane_norm};
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
-use crate::scene::bend_bound;
+use crate::scene::{Net, point_side};
 
 /// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
 const MAX_ISOLATION_LEVEL: u32 = 8;
 pub const MAX_ISOLATION_CELLS: u32 = 4096;
 
-/// A square of a leaf's domain, of side 2^-level.
+/// Halvings towards a pole: the slack is at least 2⁻²¹ of the net.
+const MAX_POLE_LEVEL: u32 = 21;
+
+/// A rectangle of a leaf's domain, of sides 2^-level.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cell {
-    /// Quarterings.
-    pub level: u32,
+    /// Halvings along u and v. They differ by those towards a pole, which come first.
+    pub level: [u32; 2],
     /// Along u and v, in sides.
     pub place: [u32; 2],
+}
+
+/// The side of a leaf that is one point.
+#[derive(Debug, Clone, Copy)]
+pub struct Pole {
+    /// The parameter that leads away from it; 0 where there is no pole.
+    pub axis: usize,
+    /// Whether there is one.
+    pub exists: bool,
+    /// Whether it is at the parameter's greatest value.
+    pub is_high: bool,
 }
 
 /// What a cell asks for.
@@ -38,102 +61,169 @@ pub enum Verdict<T> {
     Search {
         /// Where it starts.
         start: [T; 2],
-        /// Whether it cannot fail and the cell is large enough to say so of the leaf.
-        unique: bool,
+        /// How sure it is.
+        kind: SearchKind,
+        /// How far the cell reaches from a pole that it holds, in sides of the leaf; 1 where it holds none.
+        across: T,
     },
-    /// That its quarters are looked at instead.
+    /// That its parts are looked at instead.
     Split,
 }
 
+/// How sure a search is to end at a root.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchKind {
+    /// The leaf has one root at most, and Newton's method finds it.
+    Unique,
+    /// So it is with a small cell of the leaf.
+    Regular,
+    /// Nothing is known.
+    Open,
+}
+
+/// The pole of a net that a leaf reaches; the first where there are more.
+pub fn leaf_pole<T: Real>(net: &Net, domain: &Domain<T>) -> Pole {
+    for axis in 0..2 {
+        let is_at_end = [domain.low[axis] == T::ZERO, domain.low[axis] + domain.size[axis] == T::ONE];
+        for (end, is_high) in [(0, false), (1, true)] {
+            if is_at_end[end] && net.degrees & point_side(axis, end) != 0 {
+                return Pole { axis, exists: true, is_high };
+            }
+        }
+    }
+    Pole { axis: 0, exists: false, is_high: false }
+}
+
 impl Cell {
-    /// The first quarter.
-    pub fn first_quarter(self) -> Self {
-        Self { level: self.level + 1, place: self.place.map(|x| 2 * x) }
+    /// Whether it is one of the halves that hold the pole.
+    fn is_at_pole(self, pole: Pole) -> bool {
+        let last = if pole.is_high { (1 << self.level[pole.axis]) - 1 } else { 0 };
+        pole.exists && self.level[1 - pole.axis] == 0 && self.place[pole.axis] == last
     }
 
-    /// The next of four, or of the parent's four.
-    pub fn next_cell(self) -> Option<Self> {
+    /// The first quarter, or at the pole the first half.
+    pub fn first_part(self, pole: Pole) -> Self {
+        let is_cut = |k: usize| u32::from(k == pole.axis || !self.is_at_pole(pole));
+        Self {
+            level: [0, 1].map(|k| self.level[k] + is_cut(k)),
+            place: [0, 1].map(|k| self.place[k] << is_cut(k)),
+        }
+    }
+
+    /// The next of four, or of the parent's four, and so on; of two where the parent holds the pole.
+    pub fn next_cell(self, pole: Pole) -> Option<Self> {
         let Self { mut level, mut place } = self;
-        while level > 0 && place[0] & place[1] & 1 == 1 {
-            level -= 1;
+        while level[1 - pole.axis] > 0 && place[0] & place[1] & 1 == 1 {
+            level = level.map(|x| x - 1);
             place = place.map(|x| x >> 1);
         }
-        place = if place[0] & 1 == 0 { [place[0] + 1, place[1]] } else { [place[0] - 1, place[1] + 1] };
-        (level > 0).then_some(Self { level, place })
+        if level[1 - pole.axis] > 0 {
+            place = if place[0] & 1 == 0 { [place[0] + 1, place[1]] } else { [place[0] - 1, place[1] + 1] };
+            return Some(Self { level, place });
+        }
+        while level[pole.axis] > 0 && place[pole.axis] & 1 == 1 {
+            level[pole.axis] -= 1;
+            place[pole.axis] >>= 1;
+        }
+        place[pole.axis] += 1;
+        (level[pole.axis] > 0).then_some(Self { level, place })
     }
 
     /// Whether the net ends at one of its sides: a root may lie beyond that, by the slack.
     pub fn is_at_end<T: Real>(self, domain: &Domain<T>) -> bool {
-        let last = (1 << self.level) - 1;
         (0..2).any(|k| {
             self.place[k] == 0 && domain.low[k] == T::ZERO
-                || self.place[k] == last && domain.low[k] + domain.size[k] == T::ONE
+                || self.place[k] == (1 << self.level[k]) - 1 && domain.low[k] + domain.size[k] == T::ONE
         })
     }
 
-    /// Half the side.
-    pub fn cell_radius<T: Real>(self) -> T {
-        number::<T>(0.5) / T::from_f32((1_u32 << self.level) as f32)
+    /// Half the sides, in sides of the leaf.
+    pub fn cell_radius<T: Real>(self) -> [T; 2] {
+        self.level.map(|level| number::<T>(0.5) / T::from_f32((1_u32 << level) as f32))
     }
 
     /// The middle, in local parameters.
     pub fn cell_center<T: Real>(self, at: &LeafRay<'_, T>) -> [T; 2] {
         let radius = self.cell_radius::<T>();
         let middle = |k: usize| {
-            at.domain.low[k] + at.domain.size[k] * (T::from_f32((2 * self.place[k] + 1) as f32) * radius)
+            at.domain.low[k] + at.domain.size[k] * (number::<T>(f64::from(2 * self.place[k] + 1)) * radius[k])
         };
         [middle(0), middle(1)]
     }
+
+    /// The greatest product of two half sides that second derivatives are to be multiplied with, `reach` being half the sides.
+    fn bend_area<T: Real>(self, at: &LeafRay<'_, T>, reach: [T; 2]) -> T {
+        let Pole { axis, exists, is_high } = at.pole;
+        let (across, along) = (reach[axis], reach[1 - axis]);
+        let share = if exists {
+            let count = 1 << self.level[axis];
+            let steps = if is_high { count - self.place[axis] } else { self.place[axis] + 1 };
+            // A cell farther than the farthest point, for Newton's steps.
+            bend_at_pole(at, T::from_f32((steps + 1) as f32) / T::from_f32(count as f32))
+        } else {
+            T::ONE
+        };
+        (share * along * along).max(across * along).max(across * across)
+    }
+}
+
+/// The share of the bound of second derivatives along a pole's side that holds as far as `across` from it, in sides of the leaf.
+#[inline]
+pub fn bend_at_pole<T: Real>(at: &LeafRay<'_, T>, across: T) -> T {
+    let (degree_u, degree_v) = net_degrees(at.net);
+    T::ONE.min(T::from_f32([degree_u, degree_v][at.pole.axis] as f32) * across)
 }
 
 /// Looks at a cell, at whose middle the net has the value and the derivatives of `jet`.
 pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Verdict<T> {
-    let NetJet { value, by_u, by_v } = jet;
     let planes = &at.planes;
     let a = Vector3::<T>::from_f32(at.leaf.tangent_u);
     let b = Vector3::<T>::from_f32(at.leaf.tangent_v);
-    let bend = T::from_f32(bend_bound(at.leaf.certificate >> 24)) * a.length().min(b.length());
-    let norm = |w: [T; 2]| {
-        let along = w[0] * planes.slope[0] + w[1] * planes.slope[1];
-        (w[0] * w[0] + w[1] * w[1] + along * along).sqrt()
-    };
-    let plane_norms = [norm([T::ONE, T::ZERO]), norm([T::ZERO, T::ONE])];
+    let bend = leaf_bend(at.leaf, a, b);
+    let plane_norms = [plane_norm(planes, [T::ONE, T::ZERO]), plane_norm(planes, [T::ZERO, T::ONE])];
     let center = Vector3::<T>::from_f32(at.leaf.center);
     let size = center.greatest() + at.ray.origin.greatest() + a.greatest() + b.greatest();
     let rounding = size * number::<T>(32.0) * T::EPSILON;
-    let scale = T::ONE / value[3];
-    let f = plane_values(planes, *value).map(|x| x * scale);
-    let slopes = |derivative: [T; 4], size: T| {
-        let d = plane_values(planes, derivative);
-        [0, 1].map(|k| (d[k] - f[k] * derivative[3]) * scale * size)
-    };
-    let (f_s, f_t) = (slopes(*by_u, at.domain.size[0]), slopes(*by_v, at.domain.size[1]));
     // A little more than the cell, so that roots on its edges are in it.
-    let reach = cell.cell_radius::<T>() * number(1.0 + 1.0 / 64.0);
+    let reach = cell.cell_radius::<T>().map(|radius| radius * number(1.0 + 1.0 / 64.0));
+    let [f, f_s, f_t] = plane_jet(planes, jet, [0, 1].map(|k| at.domain.size[k] * reach[k]));
     let beyond = if cell.is_at_end(&at.domain) { at.slack } else { T::ZERO };
-    let remainder = bend * number(0.5) * reach * reach + rounding + beyond;
+    let curving = bend * cell.bend_area(at, reach);
+    let remainder = curving * number(0.5) + rounding + beyond;
     let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
     let step = [f[0] * f_t[1] - f[1] * f_t[0], f_s[0] * f[1] - f_s[1] * f[0]];
-    let rows = [norm([f_t[1], -f_t[0]]), norm([-f_s[1], f_s[0]])];
-    let room = reach * determinant.abs();
+    let rows = [plane_norm(planes, [f_t[1], -f_t[0]]), plane_norm(planes, [-f_s[1], f_s[0]])];
     let misses = |k: usize| {
-        f[k].abs() > (f_s[k].abs() + f_t[k].abs()) * reach + plane_norms[k] * remainder
-            || step[k].abs() > room + rows[k] * remainder
+        f[k].abs() > f_s[k].abs() + f_t[k].abs() + plane_norms[k] * remainder
+            || step[k].abs() > determinant.abs() + rows[k] * remainder
     };
     if misses(0) || misses(1) {
         return Verdict::Empty;
     }
-    let curving = rows[0].max(rows[1]) * bend;
-    let longest = step[0].abs().max(step[1].abs());
-    let is_regular = curving * reach < number::<T>(0.9) * determinant.abs()
-        && curving * (longest / determinant.abs()) < number::<T>(0.45) * determinant.abs();
     let middle = cell.cell_center(at);
+    if cell.is_at_pole(at.pole) {
+        let axis = at.pole.axis;
+        let across = reach[axis] + reach[axis];
+        // In bands that are not eight times as wide as what is left open the quarters could not be told apart.
+        let is_small = [a, b][axis].length() * across <= (at.slack + rounding) * number(8.0);
+        return if is_small || cell.level[axis] == MAX_POLE_LEVEL {
+            Verdict::Search { start: middle, kind: SearchKind::Open, across }
+        } else {
+            Verdict::Split
+        };
+    }
+    let turning = rows[0].max(rows[1]) * curving;
+    let longest = step[0].abs().max(step[1].abs());
+    let is_regular = turning < number::<T>(0.9) * determinant.abs()
+        && turning * (longest / determinant.abs()) < number::<T>(0.45) * determinant.abs();
     if is_regular {
-        let start = [0, 1].map(|k| middle[k] - step[k] / determinant * at.domain.size[k]);
-        Verdict::Search { start, unique: cell.level <= 2 }
-    } else if cell.level < MAX_ISOLATION_LEVEL {
+        let start = [0, 1].map(|k| middle[k] - step[k] / determinant * (at.domain.size[k] * reach[k]));
+        let is_large = cell.level[0].max(cell.level[1]) <= 2;
+        let kind = if is_large { SearchKind::Unique } else { SearchKind::Regular };
+        Verdict::Search { start, kind, across: T::ONE }
+    } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL {
         Verdict::Split
     } else {
-        Verdict::Search { start: middle, unique: false }
+        Verdict::Search { start: middle, kind: SearchKind::Open, across: T::ONE }
     }
 }

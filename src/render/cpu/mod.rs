@@ -12,6 +12,7 @@ pub(super) mod analytic;
 pub(super) mod bernstein;
 pub(super) mod bvh;
 pub(super) mod camera;
+mod choice;
 pub(super) mod cover;
 pub(super) mod footprint;
 pub(super) mod frames;
@@ -43,6 +44,7 @@ mod test_scenes;
 mod tests;
 
 pub use self::camera::pixel_ray;
+pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};

@@ -1,5 +1,5 @@
-//! Rays against a leaf of a rational Bézier net: Newton's method on the two planes of the ray, put to the homogeneous numerators, which are
-//! polynomials also where the net is rational.
+//! Rays against a leaf of a rational Bézier net: Newton's method on the two planes of the ray. Derivatives are those of the surface, by the quotient
+//! rule: what the leaf's bounds promise, they promise of the surface and not of its homogeneous numerators.
 //!
 //! Where the leaf's slab says that there is one root at most, one search finds it. Elsewhere the leaf's bound on second derivatives drives a quadtree
 //! over its domain; leaves without any bound get several starts. Where less exactness is asked for, all pairs without the certificate
@@ -7,19 +7,34 @@
 
 use super::Kernel;
 use super::bernstein::{NetJet, net_jet};
-use super::footprint::{Footprint, footprint, sides};
-use super::isolate::{Cell, MAX_ISOLATION_CELLS, Verdict, examine};
-use super::planes::{RayPlanes, plane_values, ray_planes};
+use super::footprint::{Footprint, footprint, pole_footprint, same_place, sides};
+use super::isolate::{
+    Cell, MAX_ISOLATION_CELLS, Pole, SearchKind, Verdict, bend_at_pole, examine, leaf_pole,
+};
+use super::planes::{RayPlanes, plane_jet, ray_planes};
 use super::ray_space::PrimitiveRay;
 use super::slab::{SlabHit, intersect_slab};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::render::Exactness;
-use crate::scene::{Net, NetLeaf, Scene, bend_bound};
+use crate::scene::{Net, NetLeaf, Scene, bend_bound, point_side};
 use std::ops::Range;
 
 /// Roots kept per leaf.
 pub const MAX_ROOTS: usize = 6;
+
+/// Steps of a search that cannot fail: the certificate's contraction by less than 1 makes some, then digits double.
+const MAX_UNIQUE_STEPS: u32 = 10;
+
+/// By how much damping falls with a step that goes down, and grows with one that does not. The first step has an eighth of what would make it go down
+/// whatever the surface does within its bounds, which are some times what they bound.
+const DAMPING_FACTOR: f64 = 8.0;
+
+/// How far from the ray a root may lie, in roundings of its coordinates and in slacks. Where Newton's method has converged the root is there whatever f32 makes
+/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings; elsewhere it has to lie where the face, as wide
+/// as its slack, meets the ray, and half of that is for the search's own errors.
+const CONVERGED_MISS: [f64; 2] = [256.0, 4.0];
+const OPEN_MISS: [f64; 2] = [16.0, 0.5];
 
 /// Accepted excess of (u, v) over [0, 1]: twice the worst that f32 was seen to need so that no ray slips between two nets.
 const OVERLAP: f64 = 1.0 / 1_048_576.0;
@@ -42,6 +57,8 @@ pub struct NetRoots<T> {
     pub count: usize,
     /// The roots.
     pub root: [NetRoot<T>; MAX_ROOTS],
+    /// Whether there may be more: the search ended before its end, or found more than it keeps.
+    pub is_cut: bool,
 }
 
 /// A leaf's sub-domain in local parameters.
@@ -68,6 +85,8 @@ pub struct LeafRay<'a, T> {
     pub planes: RayPlanes<T>,
     /// The face's.
     pub slack: T,
+    /// The leaf's.
+    pub pole: Pole,
 }
 
 /// Unpacks a leaf's domain.
@@ -93,18 +112,20 @@ pub fn leaf_roots<T: Kernel>(
     exactness: Exactness,
     slack: T,
 ) -> NetRoots<T> {
-    let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS] };
+    let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], is_cut: false };
     let Some(hit) = intersect_slab(leaf, ray, near, far) else {
         return roots;
     };
-    let at = LeafRay { leaf, net, domain: leaf_domain(leaf), ray: *ray, planes: ray_planes(ray), slack };
-    let has_bound = leaf.certificate >> 24 != 255;
-    if exactness == Exactness::Exact && !hit.unique && has_bound {
+    let domain = leaf_domain(leaf);
+    let pole = leaf_pole(net, &domain);
+    let at = LeafRay { leaf, net, domain, ray: *ray, planes: ray_planes(ray), slack, pole };
+    if exactness == Exactness::Exact && !hit.unique && has_bend_bound(leaf) {
         isolate(scene, &at, &mut roots);
         return roots;
     }
+    let kind = if hit.unique { SearchKind::Unique } else { SearchKind::Open };
     for k in fixed_starts(&hit, exactness) {
-        search(scene, &at, fixed_start(&hit, k, &at.domain), hit.unique, &mut roots);
+        search(scene, &at, fixed_start(&hit, k, &at.domain), kind, T::ONE, &mut roots);
     }
     roots
 }
@@ -116,17 +137,18 @@ fn isolate<T: Kernel>(scene: &Scene<'_>, at: &LeafRay<'_, T>, roots: &mut NetRoo
         let jet = net_jet(scene, at.net, at.ray.origin, cell.cell_center(at));
         match examine(&jet, at, cell) {
             Verdict::Split => {
-                cell = cell.first_quarter();
+                cell = cell.first_part(at.pole);
                 continue;
             }
-            Verdict::Search { start, unique } => search(scene, at, start, unique, roots),
+            Verdict::Search { start, kind, across } => search(scene, at, start, kind, across, roots),
             Verdict::Empty => {}
         }
-        match cell.next_cell() {
+        match cell.next_cell(at.pole) {
             Some(next) => cell = next,
             None => return,
         }
     }
+    roots.is_cut = true;
 }
 
 /// The starts that a leaf gets where it is not searched cell by cell, as numbers for [`fixed_start`]. A flat leaf has no plane to start on.
@@ -170,34 +192,53 @@ fn slab_start<T: Real>(hit: &SlabHit<T>, t: T, domain: &Domain<T>) -> [T; 2] {
 }
 
 /// One Newton search; adds the root it ends at, if it is one of the leaf's and new.
+///
+/// `across` is how far from a pole the start's cell reaches, or 1. Where nothing is known of the start steps are damped (Levenberg 1944, Marquardt 1963),
+/// `(JᵀJ + λ)⁻¹ Jᵀ F`, with λ in proportion to |F| and to the bound of second derivatives (Yamashita and Fukushima 2001), less after each step that goes
+/// down and more after one that does not, which is taken back. Near a root that is Newton's step, where J is singular it is the shortest
+/// one, and where the ray passes by it ends near the place closest to it.
 fn search<T: Kernel>(
     scene: &Scene<'_>,
     at: &LeafRay<'_, T>,
     start: [T; 2],
-    unique: bool,
+    kind: SearchKind,
+    across: T,
     roots: &mut NetRoots<T>,
 ) {
-    let LeafRay { leaf, net, domain, ray, planes, slack } = at;
+    let LeafRay { leaf, net, domain, ray, planes, slack, .. } = at;
+    let (a, b) = (Vector3::<T>::from_f32(leaf.tangent_u), Vector3::<T>::from_f32(leaf.tangent_v));
+    let bend = leaf_bend(leaf, a, b);
+    let (is_open, unique) = (kind == SearchKind::Open, kind == SearchKind::Unique);
+    // Steps are in sides of the leaf; at a pole, away from it, in sides of the cell: so the surface is as regular as elsewhere.
+    let mut unit = domain.size;
+    unit[at.pole.axis] *= across;
+    let bend_here = if across < T::ONE { bend * bend_at_pole(at, across) } else { bend };
+    let damping = if is_open && has_bend_bound(leaf) { bend_here } else { T::ZERO };
     let mut uv = start;
     // Quadratic convergence: a step this small leaves its square. Near tangents steps halve, so they have to be smaller and may be as many as there
     // are bits, half of which a double root has.
     let small = if unique { T::EPSILON.sqrt() } else { T::EPSILON.sqrt() * number(1.0 / 64.0) };
-    let limit = if unique { 10 } else { T::TANGENT_STEPS };
+    let limit = if unique { MAX_UNIQUE_STEPS } else { T::TANGENT_STEPS };
     let mut converged = false;
-    for _ in 0..limit {
+    // The lowest point so far, what the planes have there, and the share of the damping.
+    let (mut base, mut low, mut share) = (uv, [[T::ZERO; 2]; 3], T::ONE);
+    for turn in 0..limit {
         let jet = net_jet(scene, net, ray.origin, uv);
-        let [f, f_u, f_v] = [jet.value, jet.by_u, jet.by_v].map(|p| plane_values(planes, p));
-        let determinant = f_u[0] * f_v[1] - f_u[1] * f_v[0];
-        let du = (f[0] * f_v[1] - f[1] * f_v[0]) / determinant;
-        let dv = (f_u[0] * f[1] - f_u[1] * f[0]) / determinant;
-        if !(du.is_finite() && dv.is_finite()) {
-            return;
+        let here = plane_jet(planes, &jet, unit);
+        if turn == 0 || !is_open || height(here) <= height(low) {
+            (base, low, share) = (uv, here, share * number(1.0 / DAMPING_FACTOR));
+        } else {
+            share *= number(DAMPING_FACTOR);
         }
-        // A step across more than the leaf is a leap of faith; it is cut to one leaf.
-        let (step_u, step_v) = (du / domain.size[0], dv / domain.size[1]);
-        let longest = step_u.abs().max(step_v.abs());
+        let step = damped_step(low, damping * share);
+        // A singular point: what is left is whether the ray passes through it.
+        if !(step[0].is_finite() && step[1].is_finite()) {
+            break;
+        }
+        // A step across more than the unit is a leap of faith; it is cut to one.
+        let longest = step[0].abs().max(step[1].abs());
         let shorten = if longest > T::ONE { T::ONE / longest } else { T::ONE };
-        uv = [uv[0] - du * shorten, uv[1] - dv * shorten];
+        uv = [0, 1].map(|k| base[k] - step[k] * (shorten * unit[k]));
         if !(is_within(uv, domain, T::ONE)) {
             return;
         }
@@ -206,14 +247,21 @@ fn search<T: Kernel>(
             break;
         }
     }
+    if is_open && !converged {
+        uv = base;
+    }
     if !is_within(uv, domain, number(0.5)) {
         return;
     }
     let jet = net_jet(scene, net, ray.origin, uv);
     let (from_origin, tangents) = point_and_tangents(&jet);
     let [s_u, s_v] = tangents.map(|tangent| tangent * (T::ONE / jet.value[3]));
-    let mut footprint =
-        footprint(ray.direction, sides(ray.direction), s_u, s_v, leaf_curvature(leaf), *slack);
+    let curvature = root_curvature(s_u * domain.size[0], s_v * domain.size[1], bend);
+    let mut footprint = footprint(ray.direction, sides(ray.direction), s_u, s_v, curvature, *slack);
+    let axis = at.pole.axis;
+    if at.pole.exists && [s_v, s_u][axis].length() <= *slack * number(4.0) {
+        footprint = pole_footprint(axis, [s_u, s_v][axis], *slack);
+    }
     footprint.is_grazing |= !converged;
     let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };
     let extent = footprint.extent();
@@ -231,25 +279,63 @@ fn search<T: Kernel>(
     }
     let t = from_origin.dot(ray.direction) / ray.direction.dot(ray.direction);
     let miss = (from_origin - ray.direction * t).greatest();
-    let size =
-        Vector3::<T>::from_f32(leaf.tangent_u).greatest() + Vector3::<T>::from_f32(leaf.tangent_v).greatest();
+    let size = a.greatest() + b.greatest();
     // A last step leaves its square, and what a net that is larger than its surface rounds, of which the slack knows. What does not converge within
-    // the limit is a near tangent or at a pole, and counts as far as roundings and the slack leave it open.
+    // the limit, or converges to the place nearest to the ray, is near a tangent or at a pole, and counts as far as roundings and the slack leave it open.
     let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
-    let (steps, slacks) = if converged { (256.0, 4.0) } else { (16.0, 0.5) };
-    let tolerance = (rounding * number(steps)).max(*slack * number(slacks));
+    let [roundings, slacks] = if converged && !is_open { CONVERGED_MISS } else { OPEN_MISS };
+    let tolerance = (rounding * number(roundings)).max(*slack * number(slacks));
     if !(miss <= tolerance) {
         return;
     }
-    add_root(roots, NetRoot { uv, t, footprint }, domain);
+    add_root(roots, NetRoot { uv, t, footprint }, at);
 }
 
-/// A bound of the leaf's normal curvatures: that of its second derivatives over the square of the shorter tangent. Where there is no bound, the
-/// greatest that a byte can hold.
-fn leaf_curvature<T: Real>(leaf: &NetLeaf) -> T {
-    let a = Vector3::<T>::from_f32(leaf.tangent_u).length();
-    let b = Vector3::<T>::from_f32(leaf.tangent_v).length();
-    T::from_f32(bend_bound(leaf.certificate >> 24)) / a.min(b)
+/// The step from values and derivatives of the two planes: Newton's where `damping` is 0.
+///
+/// With the derivatives J divided by their norm, `(JᵀJ + λ)⁻¹ Jᵀ F` is `(det J adj J F + λ Jᵀ F) / (det² J + λ (1 + λ))`, without a difference of large
+/// terms.
+#[inline(always)]
+fn damped_step<T: Real>([f, f_s, f_t]: [[T; 2]; 3], damping: T) -> [T; 2] {
+    let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
+    let newton = [f[0] * f_t[1] - f[1] * f_t[0], f_s[0] * f[1] - f_s[1] * f[0]];
+    if !(damping > T::ZERO) {
+        return newton.map(|x| x / determinant);
+    }
+    let square = f_s[0] * f_s[0] + f_s[1] * f_s[1] + f_t[0] * f_t[0] + f_t[1] * f_t[1];
+    let inverse = T::ONE / square;
+    let lambda = damping * (f[0].abs() + f[1].abs()) * inverse;
+    let determinant = determinant * inverse;
+    let downhill = [f_s[0] * f[0] + f_s[1] * f[1], f_t[0] * f[0] + f_t[1] * f[1]];
+    let scale = inverse / (determinant * determinant + lambda * (T::ONE + lambda));
+    [0, 1].map(|k| (newton[k] * determinant + downhill[k] * lambda) * scale)
+}
+
+/// How far from both planes.
+#[inline(always)]
+fn height<T: Real>([f, ..]: [[T; 2]; 3]) -> T {
+    f[0] * f[0] + f[1] * f[1]
+}
+
+/// The leaf's bound of `|S_ss| + 2 |S_st| + |S_tt|` in millimetres, from its tangents.
+#[inline(always)]
+pub fn leaf_bend<T: Real>(leaf: &NetLeaf, a: Vector3<T>, b: Vector3<T>) -> T {
+    T::from_f32(bend_bound(leaf.certificate >> 24)) * a.length().min(b.length())
+}
+
+/// Whether that bound is one.
+#[inline(always)]
+fn has_bend_bound(leaf: &NetLeaf) -> bool {
+    leaf.certificate >> 24 != 255
+}
+
+/// A bound of the normal curvatures at a point with the tangents `s` and `t` where second derivatives are at most `bend`: along (x, y) with max(|x|, |y|) = 1
+/// they make `bend` at most, over the square of `|s x + t y|`, which is at least the shorter tangent's distance from the other one's line,
+/// `|s × t| / max(|s|, |t|)`.
+#[inline(always)]
+fn root_curvature<T: Real>(s: Vector3<T>, t: Vector3<T>, bend: T) -> T {
+    let normal = s.cross(t);
+    bend * s.dot(s).max(t.dot(t)) / normal.dot(normal)
 }
 
 #[inline]
@@ -258,23 +344,55 @@ fn is_within<T: Real>(uv: [T; 2], domain: &Domain<T>, margin: T) -> bool {
     inside(uv[0], domain.low[0], domain.size[0]) && inside(uv[1], domain.low[1], domain.size[1])
 }
 
-fn add_root<T: Real>(roots: &mut NetRoots<T>, root: NetRoot<T>, domain: &Domain<T>) {
+/// Adds a root that is not known yet; of two at one place the one that is not grazing stays. Roots that are not grazing are told apart by their
+/// parameters; others, of which a ray that runs along the net or through a pole has many, by where they lie in space and by the side that is hit.
+fn add_root<T: Real>(roots: &mut NetRoots<T>, root: NetRoot<T>, at: &LeafRay<'_, T>) {
     let near = T::EPSILON.sqrt() * number(0.25);
-    for known in &roots.root[..roots.count] {
-        if (known.uv[0] - root.uv[0]).abs() <= near * domain.size[0]
-            && (known.uv[1] - root.uv[1]).abs() <= near * domain.size[1]
-        {
+    for known in &mut roots.root[..roots.count] {
+        let is_near = |k: usize| (known.uv[k] - root.uv[k]).abs() <= near * at.domain.size[k];
+        let is_any_grazing = known.footprint.is_grazing || root.footprint.is_grazing;
+        let apart = (known.t - root.t).abs() * at.ray.direction.length();
+        let is_same_place = || same_place(apart, known.footprint.cosine, root.footprint.cosine, at.slack);
+        if is_near(0) && is_near(1) || is_any_grazing && is_same_place() {
+            if known.footprint.is_grazing && !root.footprint.is_grazing {
+                *known = root;
+            }
             return;
         }
     }
     if roots.count < MAX_ROOTS {
         roots.root[roots.count] = root;
         roots.count += 1;
+    } else {
+        roots.is_cut = true;
     }
 }
 
-/// The unit normal `S_u × S_v` of the net, face space; where it vanishes (a pole), that of a point a little inside.
+/// The unit normal `S_u × S_v` of the net, face space.
+///
+/// Beside a side that is one point, where one tangent is as short as roundings, it is continued from farther inside: linearly, so that a step of h
+/// errs by h² of the bend and by the share EPSILON / h of roundings, and h = ∛EPSILON is best. Where it vanishes otherwise, it is that of a point a
+/// little inside.
 pub fn net_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector3<T> {
+    let h = T::EPSILON.cbrt();
+    for (axis, end) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let off = if end == 0 { uv[axis] } else { T::ONE - uv[axis] };
+        if net.degrees & point_side(axis, end) == 0 || !(off < h) {
+            continue;
+        }
+        let inside = |by: T| {
+            let mut at = uv;
+            at[axis] = if end == 0 { by } else { T::ONE - by };
+            regular_normal(scene, net, at)
+        };
+        let (near, far) = (inside(h), inside(h + h));
+        let n = near + (near - far) * ((h - off) / h);
+        return n * (T::ONE / n.length().max(number(1e-30)));
+    }
+    regular_normal(scene, net, uv)
+}
+
+fn regular_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector3<T> {
     let half = number::<T>(0.5);
     let mut at = uv;
     for _ in 0..4 {

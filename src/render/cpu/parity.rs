@@ -5,12 +5,11 @@
 //! hits the fewest are left out that make it so. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
 
 use super::Kernel;
+use super::footprint::GRAZING;
+use super::hit::world_slack;
 use super::trace::RawHit;
 use super::vector::number;
 use crate::scene::Scene;
-
-/// |cos| of the angle between ray and normal below which the side that is hit cannot be told.
-const SIDEWAYS: f64 = 1.0 / 1024.0;
 
 /// How many times a ray may enter a body before it leaves.
 const DEEPEST: usize = 8;
@@ -86,7 +85,7 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
     // By hit and by the depth it leads to: the depth it comes from, where the hit stays.
     let mut choices: Vec<[Option<usize>; DEEPEST + 1]> = Vec::with_capacity(crossings.len());
     for Crossing { hit, facing } in crossings {
-        let is_sideways = facing.abs() < number(SIDEWAYS);
+        let is_sideways = facing.abs() < number(GRAZING);
         let enters = (*facing < T::ZERO) != is_turned;
         let before = left_out;
         let mut choice = [None; DEEPEST + 1];
@@ -119,8 +118,7 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
 
 /// Where nothing is known of inside and outside: of hits at one place and from one side the certain ones, or one where none is.
 fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<bool> {
-    let slack = |crossing: &Crossing<T>| number::<T>(scene.faces[crossing.hit.face as usize].slack.into());
-    one_of_each(crossings, slack)
+    one_of_each(crossings, |crossing| world_slack(scene, &crossing.hit))
 }
 
 /// [`without_overlaps`] with the slack of a crossing's face. More than two hits may be at one place, where four leaves meet, and those of the other side
@@ -134,10 +132,10 @@ fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>
             let apart = own.hit.distance.minus(other.hit.distance);
             let reach = (slack(own) + slack(other)) * number(2.0);
             // No pair is farther apart than this.
-            if apart * number(SIDEWAYS) > reach {
+            if apart * number(GRAZING) > reach {
                 break;
             }
-            let steepness = own.facing.abs().min(other.facing.abs()).max(number(SIDEWAYS));
+            let steepness = own.facing.abs().min(other.facing.abs()).max(number(GRAZING));
             let is_same = (own.facing < T::ZERO) == (other.facing < T::ZERO) && apart * steepness <= reach;
             if !is_same || !stays[before] || own.hit.is_certain && other.hit.is_certain {
                 continue;

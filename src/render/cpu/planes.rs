@@ -1,5 +1,6 @@
 //! Two planes through a ray (Kajiya 1982), sheared along the direction's greatest component (Woop, Benthin and Wald 2013).
 
+use super::bernstein::NetJet;
 use super::ray_space::PrimitiveRay;
 use crate::numeric::Real;
 
@@ -35,4 +36,23 @@ pub fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
 pub fn plane_values<T: Real>(planes: &RayPlanes<T>, p: [T; 4]) -> [T; 2] {
     let [first, second] = planes.minor;
     [p[first] - planes.slope[0] * p[planes.major], p[second] - planes.slope[1] * p[planes.major]]
+}
+
+/// The values of the two planes at a point of a net, and by the quotient rule their derivatives by u and by v, times `size`.
+#[inline(always)]
+pub fn plane_jet<T: Real>(planes: &RayPlanes<T>, jet: &NetJet<T>, size: [T; 2]) -> [[T; 2]; 3] {
+    let scale = T::ONE / jet.value[3];
+    let f = plane_values(planes, jet.value).map(|x| x * scale);
+    let slopes = |by: [T; 4], size: T| {
+        let d = plane_values(planes, by);
+        [0, 1].map(|k| (d[k] - f[k] * by[3]) * (scale * size))
+    };
+    [f, slopes(jet.by_u, size[0]), slopes(jet.by_v, size[1])]
+}
+
+/// How long the vector is whose product with a point is the combination `w` of the two planes.
+#[inline(always)]
+pub fn plane_norm<T: Real>(planes: &RayPlanes<T>, w: [T; 2]) -> T {
+    let along = w[0] * planes.slope[0] + w[1] * planes.slope[1];
+    (w[0] * w[0] + w[1] * w[1] + along * along).sqrt()
 }

@@ -1,11 +1,12 @@
 //! Batches of rays to hits.
 
-use super::hit::{finish_hit, hit_normal};
+use super::footprint::{LONGEST, same_place};
+use super::hit::{finish_hit, hit_normal, world_slack};
 use super::parity::{Crossing, consistent};
 use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
-use super::{Kernel, Precision};
+use super::{Kernel, NO_NET, Precision};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -13,7 +14,7 @@ use rayon::prelude::*;
 /// Hits kept per ray: more than any model has, little enough to bound memory.
 const MAX_HITS: usize = 1 << 16;
 
-/// All hits of each ray, sorted by t; or only the first of each. In f32 where the scene has no f64 arrays.
+/// All hits of each ray, sorted by t; or only the first of each, which is the first of all. In f32 where the scene has no f64 arrays.
 pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
     probe_with(scene, rays, precision, first_only, Exactness::default())
 }
@@ -43,17 +44,32 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, firs
     let Some(prepared) = prepare::<T>(ray, scene.header) else {
         return Vec::new();
     };
-    if first_only {
+    let hits = if first_only {
         let first = first_hit(scene, exactness, &prepared.ray, prepared.near);
-        first.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
+        match first {
+            Some(first) if !first.is_certain => {
+                all_hits(scene, exactness, &prepared).into_iter().take(1).collect()
+            }
+            first => first.into_iter().collect(),
+        }
     } else {
-        let hits = all_hits(scene, exactness, &prepared);
-        hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
-    }
+        all_hits(scene, exactness, &prepared)
+    };
+    hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
 }
 
 /// All hits, sorted, each once.
 pub fn all_hits<T: Kernel>(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    prepared: &PreparedRay<T>,
+) -> Vec<RawHit<T>> {
+    let met = met_hits(scene, exactness, prepared);
+    sort_and_merge(scene, prepared, met)
+}
+
+/// All hits as they are met.
+pub fn met_hits<T: Kernel>(
     scene: &Scene<'_>,
     exactness: Exactness,
     prepared: &PreparedRay<T>,
@@ -63,53 +79,68 @@ pub fn all_hits<T: Kernel>(
         hits.push(hit);
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
-    sort_and_merge(scene, prepared, hits)
+    if hits.len() == MAX_HITS {
+        hits.iter_mut().for_each(|hit| hit.is_certain = false);
+    }
+    hits
 }
 
 /// Sorts hits and leaves each once, and those alone that the bodies can have.
 pub fn sort_and_merge<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
-    mut hits: Vec<RawHit<T>>,
+    hits: Vec<RawHit<T>>,
 ) -> Vec<RawHit<T>> {
+    let crossings = places(scene, prepared, hits);
+    let hits = consistent(scene, prepared.starts_outside, crossings);
+    hits.into_iter().map(|crossing| crossing.hit).collect()
+}
+
+/// Sorts hits and leaves one for each place where the ray passes a face from one side.
+///
+/// Neighbouring leaves and nets find one hit each where they meet, as many as share a corner or a pole, and along a tangent every search ends at another
+/// point of the stretch in which the face is within its slack of the ray. A hit is at the place of another if it is at that of
+/// its last one, so that a stretch is one place however long. Of hits at one place a certain one stays, or else the first.
+pub fn places<T: Kernel>(
+    scene: &Scene<'_>,
+    prepared: &PreparedRay<T>,
+    mut hits: Vec<RawHit<T>>,
+) -> Vec<Crossing<T>> {
     // Sums in f64, for differences of pairs are no total order, which sorting needs.
     let order = |a: &RawHit<T>, b: &RawHit<T>| {
         let by_distance = a.distance.to_f64().total_cmp(&b.distance.to_f64());
         by_distance.then(a.face.cmp(&b.face)).then(a.net.cmp(&b.net)).then(a.instance.cmp(&b.instance))
     };
     hits.sort_by(order);
-    let crossings = merge_doubles(scene, prepared, hits);
-    let hits = consistent(scene, prepared.starts_outside, crossings);
-    hits.into_iter().map(|crossing| crossing.hit).collect()
-}
-
-/// Leaves one of the certain hits that neighbouring leaves and nets of one face report twice: same face, same facing, and closer together than the
-/// face's slack along the ray.
-fn merge_doubles<T: Kernel>(
-    scene: &Scene<'_>,
-    prepared: &PreparedRay<T>,
-    hits: Vec<RawHit<T>>,
-) -> Vec<Crossing<T>> {
     let mut kept: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
+    // By index in `kept`: the last hit of the place.
+    let mut last: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
     for hit in hits {
-        let facing = hit_normal(scene, &hit).dot(prepared.ray.direction);
-        let slack = number::<T>(scene.faces[hit.face as usize].slack.into());
-        let tolerance = slack * number(2.0) / facing.abs();
-        let mut double = false;
-        for other in kept.iter().rev() {
-            if hit.distance.minus(other.hit.distance) > tolerance {
-                break;
-            }
-            double |= hit.net != super::NO_NET
-                && hit.is_certain
-                && other.hit.is_certain
+        let own = Crossing { hit, facing: hit_normal(scene, &hit).dot(prepared.ray.direction) };
+        let slack = world_slack(scene, &hit);
+        let farthest = slack * number(2.0 * LONGEST);
+        let mut near =
+            (0..last.len()).rev().take_while(|&k| hit.distance.minus(last[k].hit.distance) <= farthest);
+        let is_same = |other: &Crossing<T>| {
+            let apart = hit.distance.minus(other.hit.distance);
+            hit.net != NO_NET
                 && other.hit.face == hit.face
                 && other.hit.instance == hit.instance
-                && (other.facing >= T::ZERO) == (facing >= T::ZERO);
-        }
-        if !double {
-            kept.push(Crossing { hit, facing });
+                && same_place(apart, own.facing, other.facing, slack)
+        };
+        match near.find(|&k| is_same(&last[k])) {
+            Some(place) => {
+                last[place] = own;
+                if hit.is_certain && !kept[place].hit.is_certain {
+                    kept[place] = own;
+                }
+            }
+            None => {
+                kept.push(own);
+                last.push(own);
+            }
         }
     }
+    kept.sort_by(|a, b| order(&a.hit, &b.hit));
     kept
 }

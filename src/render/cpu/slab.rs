@@ -12,6 +12,19 @@ use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::scene::NetLeaf;
 
+/// |a × b|² over |a|² |b|² below which the tangents span no plane. The bake gives no such frames: those that it makes have a sine of 1/64, or are
+/// at right angles. It is for files that it did not write.
+const FLAT: f64 = 1e-6;
+
+/// What the contraction is to have left: some thousand roundings of f32, for the products that it is computed from.
+const CERTIFICATE_ROUNDING: f64 = 1.0 / 1024.0;
+
+/// Below this a direction's component is 0, so that its reciprocal stays finite in f32 also times distances of up to 10¹⁸ mm.
+const PARALLEL: f64 = 1e-18;
+
+/// For the roundings of a sphere's radius, a sum of products and roots.
+const SPHERE_ROUNDING: f64 = 1.001;
+
 /// What the slab test finds.
 #[derive(Debug, Clone, Copy)]
 pub struct SlabHit<T> {
@@ -37,7 +50,7 @@ pub fn intersect_slab<T: Real>(leaf: &NetLeaf, ray: &PrimitiveRay<T>, near: T, f
     let n = a.cross(b);
     let (aa, bb, nn) = (a.dot(a), b.dot(b), n.dot(n));
     let r = ray.origin - center;
-    let flat = !(nn > number::<T>(1e-6) * aa * bb && aa > T::ZERO && bb > T::ZERO);
+    let flat = !(nn > number::<T>(FLAT) * aa * bb && aa > T::ZERO && bb > T::ZERO);
     if flat {
         return flat_slab(leaf, aa.sqrt(), bb.sqrt(), extent_n, r, ray.direction, near, far);
     }
@@ -61,7 +74,7 @@ pub fn intersect_slab<T: Real>(leaf: &NetLeaf, ray: &PrimitiveRay<T>, near: T, f
     let [e_alpha, e_beta, e_gamma] = certificate::<T>(leaf);
     // γ and E_γ in millimetres: bytes are in units of the shorter tangent.
     let gamma = e_gamma * aa.min(bb).sqrt();
-    let across = along.z.abs() * number(1.0 - 1.0 / 1024.0);
+    let across = along.z.abs() * number(1.0 - CERTIFICATE_ROUNDING);
     let unique = (T::ONE - e_alpha) * across > gamma * along.x.abs()
         && (T::ONE - e_beta) * across > gamma * along.y.abs();
     Some(SlabHit { at, along, enter, leave, unique, flat: false })
@@ -83,7 +96,7 @@ fn flat_slab<T: Real>(
     let dd = direction.dot(direction);
     let middle = -r.dot(direction) / dd;
     let closest = r + direction * middle;
-    let reach = radius * number(1.001) + r.greatest() * number::<T>(8.0) * T::EPSILON;
+    let reach = radius * number(SPHERE_ROUNDING) + r.greatest() * number::<T>(8.0) * T::EPSILON;
     let under_root = reach * reach - closest.dot(closest);
     if !(under_root >= T::ZERO) {
         return None;
@@ -97,7 +110,7 @@ fn flat_slab<T: Real>(
 /// Narrows `[enter, leave]` to where `|at + t · along| <= reach`.
 #[inline(always)]
 fn cut<T: Real>(at: T, along: T, reach: T, enter: &mut T, leave: &mut T) {
-    if along.abs() < number(1e-18) {
+    if along.abs() < number(PARALLEL) {
         if at.abs() > reach {
             *leave = -T::INFINITY;
         }

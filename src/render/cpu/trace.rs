@@ -32,7 +32,8 @@ pub struct RawHit<T> {
     pub is_certain: bool,
 }
 
-/// The first hit after `near`; of equally near ones that of the lowest face, net and instance, whatever the order of the walk.
+/// The first hit after `near` of faces as wide as their slack, whatever their bodies can have: past an edge it may be one that is left out of all hits.
+/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks `is_certain`. Of equally near hits that of the lowest face, net and instance, whatever the order of the walk.
 pub fn first_hit<T: Kernel>(
     scene: &Scene<'_>,
     exactness: Exactness,
@@ -64,10 +65,9 @@ pub fn first_hit_before<T: Kernel>(
 
 /// The order of hits along a ray: by distance, then by face, net and instance.
 pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
-    // Sums in f64, as hits are sorted and as `far` is compared: differences of pairs in T are another order.
-    let (first, second) = (a.distance.to_f64(), b.distance.to_f64());
-    if first != second {
-        return first < second;
+    let ahead = a.distance.minus(b.distance);
+    if ahead != T::ZERO {
+        return ahead < T::ZERO;
     }
     [a.face, a.net, a.instance] < [b.face, b.net, b.instance]
 }
@@ -127,6 +127,10 @@ fn trace_part<T: Kernel>(
     }
 }
 
+fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {
+    distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO
+}
+
 /// The hits of an analytic face.
 fn trace_face<T: Kernel>(
     scene: &Scene<'_>,
@@ -146,7 +150,7 @@ fn trace_face<T: Kernel>(
     for i in 0..roots.count {
         let t = roots.t[i];
         let distance = Distance { anchor: ray.anchor, offset: t };
-        if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
+        if !is_between(distance, near, far) {
             continue;
         }
         let point = origin + direction * t;
@@ -192,12 +196,12 @@ fn trace_leaf<T: Kernel>(
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };
-        if !(distance.minus(near) >= T::ZERO && distance.to_f64() <= far.to_f64()) {
+        if !is_between(distance, near, far) {
             continue;
         }
         let cover = leaf_cover(scene, leaf, net, face, &root);
         if cover != Cover::Outside {
-            let is_certain = cover == Cover::Inside && !root.footprint.is_grazing;
+            let is_certain = cover == Cover::Inside && !root.footprint.is_grazing && !roots.is_cut;
             far = accept(RawHit {
                 distance,
                 instance,

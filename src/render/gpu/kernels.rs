@@ -140,14 +140,22 @@ impl Specialisation {
     }
 }
 
+/// Turns after which Mesa's software renderer ends all loops.
+const LOOP_TURNS: u32 = 65_535;
+/// Those in which an invocation that has used up its turns leaves the loops that it is in, and enters those on its way out once each: more than the kernels
+/// have loops.
+const LAST_TURNS: u32 = 100;
+
 /// What the probe kernel answers instead of a number of hits where it ran out of loop turns.
 pub(super) const INCOMPLETE: u32 = u32::MAX;
 
 /// The text of a kernel for Mesa's software renderer: it counts the turns of its loops, and has no uniform buffers.
 ///
 /// Mesa's software renderer ends all loops, without a word, after 65,535 turns in total. Hits found by then are not all hits, so its kernels
-/// keep count and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a wide one each has a
-/// sixty-fourth for certain, of a narrow one all. Loops that the compiler unrolls are free, so that counting errs on the safe side.
+/// keep count, end them themselves before that and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a
+/// wide one each has a sixty-fourth for certain, of a narrow one all; and one that has used up its own must not go on with that of others, whose
+/// hits would be lost without a word. Loops that the compiler unrolls are free, but it makes some of its own, and lanes without an invocation may run
+/// along: so the count alone is not enough, and a last loop at the end of the kernel (`was_cut`) tells whether loops go on still.
 ///
 /// What a branch finds in a uniform buffer that renderer takes for a constant of the kernel, which it then compiles anew for each value: half a
 /// minute for each scene and each sample. It reads them as storage buffers instead.
@@ -158,7 +166,7 @@ pub fn software_source(entry: Entry, specialisation: &Specialisation, lanes: u32
         let opens_loop = ["for (", "while ", "loop {"].iter().any(|start| trimmed.starts_with(start));
         if opens_loop && line.ends_with('{') {
             // The turn that finds the loop's end counts too.
-            let _ = writeln!(text, "turns += 1u;\n{line}\nturns += 1u;");
+            let _ = writeln!(text, "turns += 1u;\n{line}\nturns += 1u;\nif turns > MOST_TURNS {{ break; }}");
         } else {
             let _ = writeln!(text, "{line}");
         }
@@ -186,7 +194,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
     let words: [(&str, u32); 40] = [
         ("WORKGROUP_SIZE", lanes),
-        ("MOST_TURNS", if lanes == NARROW { 65_000 } else { 65_000 / WIDE }),
+        ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
         ("ALONE", Face::ALONE),

@@ -6,11 +6,11 @@
 
 use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
-use crate::render::cpu::NO_NET;
 use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::sort_and_merge;
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
 use crate::render::cpu::trace::RawHit;
+use crate::render::cpu::{self, NO_NET};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -63,6 +63,12 @@ struct Wanted {
     exactness: Exactness,
 }
 
+/// What rays have been found to hit, and which of the first hits are not certain to be hits: those of all hits decide.
+struct Answers {
+    hits: Vec<Vec<Hit>>,
+    uncertain: Vec<usize>,
+}
+
 /// A ray on its way: which one of the caller's, and how many slots it needs.
 #[derive(Clone, Copy)]
 struct Pending {
@@ -99,7 +105,7 @@ impl Gpu {
         exactness: Exactness,
     ) -> Result<Vec<Vec<Hit>>, GpuError> {
         let wanted = Wanted { first_only, exactness };
-        let mut answers: Vec<Vec<Hit>> = vec![Vec::new(); rays.len()];
+        let mut answers = Answers { hits: vec![Vec::new(); rays.len()], uncertain: Vec::new() };
         let slots = if first_only { 1 } else { FIRST_SLOTS };
         for (first, batch) in (0..).step_by(BATCH_RAYS).zip(rays.chunks(BATCH_RAYS)) {
             let pending: Vec<Pending> = (first..)
@@ -110,11 +116,21 @@ impl Gpu {
                 .collect();
             let cut_short = self.probe_twice(scene, &pending, wanted, WIDE, &mut answers)?;
             let left = self.probe_twice(scene, &cut_short, wanted, NARROW, &mut answers)?;
-            if !left.is_empty() {
-                return Err(GpuError::Incomplete);
+            // What a software device gives up on, a few rays through poles, the twin answers.
+            let given_up: Vec<Ray> = left.iter().map(|ray| rays[ray.index]).collect();
+            let hits = cpu::probe_with(&scene.scene, &given_up, cpu::Precision::F32, first_only, exactness);
+            for (ray, hits) in left.iter().zip(hits) {
+                answers.hits[ray.index] = hits;
             }
         }
-        Ok(answers)
+        if !answers.uncertain.is_empty() {
+            let uncertain: Vec<Ray> = answers.uncertain.iter().map(|&index| rays[index]).collect();
+            let all = self.probe_with(scene, &uncertain, false, exactness)?;
+            for (index, hits) in answers.uncertain.into_iter().zip(all) {
+                answers.hits[index] = hits.into_iter().take(1).collect();
+            }
+        }
+        Ok(answers.hits)
     }
 
     /// Answers rays, in a second pass those with many hits; returns those whose loops were cut short.
@@ -124,7 +140,7 @@ impl Gpu {
         pending: &[Pending],
         wanted: Wanted,
         lanes: u32,
-        answers: &mut [Vec<Hit>],
+        answers: &mut Answers,
     ) -> Result<Vec<Pending>, GpuError> {
         let (crowded, mut cut_short) = self.probe_batch(scene, pending, wanted, lanes, answers)?;
         for group in groups(&crowded) {
@@ -143,7 +159,7 @@ impl Gpu {
         pending: &[Pending],
         wanted: Wanted,
         lanes: u32,
-        answers: &mut [Vec<Hit>],
+        answers: &mut Answers,
     ) -> Result<(Vec<Pending>, Vec<Pending>), GpuError> {
         let (mut crowded, mut cut_short) = (Vec::new(), Vec::new());
         if pending.is_empty() {
@@ -162,10 +178,17 @@ impl Gpu {
                 crowded.push(Pending { slots: count.min(BATCH_SLOTS), ..*ray });
                 continue;
             }
-            let raw = kept.iter().map(|hit| raw_hit(hit, &scene.scene)).collect::<Result<Vec<_>, _>>()?;
+            let mut raw = kept.iter().map(|hit| raw_hit(hit, &scene.scene)).collect::<Result<Vec<_>, _>>()?;
+            if wanted.first_only && raw.iter().any(|hit| !hit.is_certain) {
+                answers.uncertain.push(ray.index);
+                continue;
+            }
+            if count > ray.slots {
+                raw.iter_mut().for_each(|hit| hit.is_certain = false);
+            }
             let hits = if wanted.first_only { raw } else { sort_and_merge(&scene.scene, &ray.prepared, raw) };
             let finish = |hit| finish_hit(&scene.scene, hit, ray.prepared.start);
-            answers[ray.index] = hits.iter().map(finish).collect();
+            answers.hits[ray.index] = hits.iter().map(finish).collect();
         }
         Ok((crowded, cut_short))
     }

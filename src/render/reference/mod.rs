@@ -3,7 +3,8 @@
 //! It looks at every face without a tree, and at every net by subdivision of its Bernstein coefficients, so that it shares neither
 //! bounds, nor leaves, nor starts with the tracers that it judges. Analytic carriers are the tracers' own closed forms in f64; analytic
 //! truth is what checks those. A ray is *certain* unless somewhere on its way, by less than [`TOLERANCE`] of a face's size,
-//! the ray would touch a carrier it misses or miss one it meets, or a hit would pass a trim curve or the end of a surface.
+//! the ray would touch a carrier it misses or miss one it meets, or a hit would pass a trim curve or the end of a surface. Nor is it certain where a closed
+//! body has an odd number of hits.
 
 mod isolate;
 mod widened;
@@ -107,6 +108,9 @@ impl<'a> Reference<'a> {
         }
         found.sort_by(|a, b| a.raw.distance.to_f64().total_cmp(&b.raw.distance.to_f64()));
         let kept = merge_borders(found)?;
+        if !self.leaves_as_often_as_it_enters(&kept) {
+            return None;
+        }
         let expected = |c: &Candidate| ExpectedHit {
             hit: finish_hit(&self.scene, &c.raw, prepared.start),
             size: c.size,
@@ -145,10 +149,14 @@ impl<'a> Reference<'a> {
             let normal = carrier_normal(face.kind, parameters, face.radii).dot(unit);
             let slack = tolerance.max(2.0 * face.slack) / normal.abs();
             let lengths = parameter_lengths(&face, parameters);
+            let margins = [0, 1].map(|k| slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
+            // At an apex or along the surface what is beside the hit is everywhere.
+            if !(0..2).all(|k| margins[k] * face.uv_scale[k].abs() < 0.5) {
+                return None;
+            }
             let inside = |du: f64, dv: f64| {
                 let at = [0, 1].map(|k| {
-                    let by =
-                        [du, dv][k] * (slack / lengths[k] + PARAMETER_TOLERANCE / face.uv_scale[k].abs());
+                    let by = [du, dv][k] * margins[k];
                     to_window((parameters[k] + by - face.uv_low[k]) * face.uv_scale[k], face.period[k])
                 });
                 (self.is_on_face(index, at), at)
@@ -222,6 +230,15 @@ impl<'a> Reference<'a> {
 }
 
 impl Reference<'_> {
+    /// Whether each closed body has an even number of the hits, as it has of those of a ray from outside.
+    fn leaves_as_often_as_it_enters(&self, hits: &[Candidate]) -> bool {
+        let body = |hit: &Candidate| (hit.raw.instance, self.scene.faces[hit.raw.face as usize].body);
+        let mut bodies: Vec<(u32, u32)> = hits.iter().map(body).collect();
+        bodies.sort_unstable();
+        let is_closed = |body: u32| self.scene.metadata.bodies[body as usize].is_closed;
+        bodies.chunk_by(|a, b| a == b).all(|of_body| of_body.len() % 2 == 0 || !is_closed(of_body[0].1))
+    }
+
     /// Whether wrapped normalised parameters belong to a face.
     fn is_on_face(&self, face: u32, uv: [f64; 2]) -> bool {
         let root = self.scene.faces[face as usize].trim_root;

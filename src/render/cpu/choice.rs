@@ -1,0 +1,55 @@
+//! What becomes of the hits of a ray on their way to its answer, for the benches: an even number of hits alone does not say that they are right.
+
+use super::footprint::{LONGEST, same_place};
+use super::hit::world_slack;
+use super::parity::{Crossing, consistent};
+use super::probe::{met_hits, places};
+use super::ray_space::prepare;
+use super::vector::number;
+use super::{Kernel, Precision};
+use crate::render::{Exactness, Ray};
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+/// The hits of one ray, counted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// Places where it meets a face, before those are left out that its bodies cannot have.
+    pub places: usize,
+    /// Hits of the answer.
+    pub hits: usize,
+    /// Whether two of those are at one place of a body and from one side.
+    pub is_repeated: bool,
+}
+
+/// The counts of each ray, with the default exactness.
+pub fn choices(scene: &Scene<'_>, rays: &[Ray], precision: Precision) -> Vec<Choice> {
+    let exact = precision == Precision::F64 && scene.has_f64();
+    rays.par_iter()
+        .map(|ray| if exact { choice::<f64>(scene, ray) } else { choice::<f32>(scene, ray) })
+        .collect()
+}
+
+fn choice<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Choice {
+    let Some(prepared) = prepare::<T>(ray, scene.header) else {
+        return Choice::default();
+    };
+    let met = met_hits(scene, Exactness::default(), &prepared);
+    let crossings = places(scene, &prepared, met);
+    let places = crossings.len();
+    let kept = consistent(scene, prepared.starts_outside, crossings);
+    Choice { places, hits: kept.len(), is_repeated: is_repeated(scene, &kept) }
+}
+
+fn is_repeated<T: Kernel>(scene: &Scene<'_>, hits: &[Crossing<T>]) -> bool {
+    let body = |c: &Crossing<T>| (c.hit.instance, scene.faces[c.hit.face as usize].body);
+    let slack = |c: &Crossing<T>| world_slack(scene, &c.hit);
+    hits.iter().enumerate().any(|(index, own)| {
+        let before = hits[..index].iter().rev();
+        let apart = |other: &Crossing<T>| own.hit.distance.minus(other.hit.distance);
+        let reach = |other: &Crossing<T>| slack(own).max(slack(other));
+        before.take_while(|other| apart(other) <= reach(other) * number(2.0 * LONGEST)).any(|other| {
+            body(own) == body(other) && same_place(apart(other), own.facing, other.facing, reach(other))
+        })
+    })
+}
