@@ -452,13 +452,13 @@ fn the_trimming_study_has_a_row_for_each_method() {
     }
     assert!(!outcome.text().contains("otherwise"), "{}", outcome.text());
     let rows = fs::read_to_string(bench.path("rows.csv")).expect("rows");
-    assert_eq!(rows.lines().count(), 1 + 2 * 30);
+    assert_eq!(rows.lines().count(), 1 + 2 * 31);
     let outcome = bench.run(&format!("bench trim knob.step {few} --methods 1,packed --json")).expect(0);
     let line: Value = serde_json::from_str(outcome.text()).expect("JSON");
     assert_eq!(line["methods"].as_array().expect("methods").len(), 2);
     assert!(line["methods"][0]["random"]["queries"].as_u64().expect("a count") > 0);
     let outcome = bench.run("bench trim knob.step --check 2000").expect(0);
-    assert!(outcome.text().contains("30 methods, 0 wrong answers"), "{}", outcome.text());
+    assert!(outcome.text().contains("31 methods, 0 wrong answers"), "{}", outcome.text());
     let degrees = format!("bench trim knob.step {few} --degrees 2,5 --methods 3,packed --plot plot.svg");
     let outcome = bench.run(&degrees).expect(0);
     assert!(outcome.text().contains("30-PACKED, lines kept"), "{}", outcome.text());
