@@ -48,7 +48,7 @@ pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
-pub use self::render::render;
+pub use self::render::{render, render_pixels};
 pub use self::trim::{trim_counted, trim_inside};
 pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;

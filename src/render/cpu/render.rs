@@ -9,12 +9,13 @@ use crate::image::Film;
 use crate::render::{Camera, RenderOptions};
 use crate::scene::Scene;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Rows per unit of work.
 const ROWS_PER_TILE: usize = 4;
 
-/// Pixels of one row.
+/// Pixels of one row, or some of them.
 struct Row {
     color: Vec<[f32; 4]>,
     depth: Vec<f32>,
@@ -40,27 +41,56 @@ pub fn render(
         .into_par_iter()
         .map(|tile| {
             let last = height.min((tile + 1) * ROWS_PER_TILE);
-            let rows = (tile * ROWS_PER_TILE..last).map(|y| render_row(&shading, camera, y)).collect();
+            let rows =
+                (tile * ROWS_PER_TILE..last).map(|y| render_row(&shading, camera, y, 0..width)).collect();
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, tiles);
             rows
         })
         .collect();
     let mut film = Film::new(width, height);
     for (y, row) in rows.into_iter().flatten().enumerate() {
-        let range = y * width..(y + 1) * width;
-        film.color[range.clone()].copy_from_slice(&row.color);
-        film.depth[range.clone()].copy_from_slice(&row.depth);
-        film.normal[range.clone()].copy_from_slice(&row.normal);
-        film.part[range.clone()].copy_from_slice(&row.part);
-        film.face[range].copy_from_slice(&row.face);
+        row.put(&mut film, y * width);
     }
     options.background.put_behind(&mut film);
     film
 }
 
-fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
+/// Renders some pixels of a picture, by index, into `film`; without a background.
+pub fn render_pixels(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    options: &RenderOptions,
+    pixels: &[usize],
+    film: &mut Film,
+) {
+    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let width = options.resolution[0] as usize;
+    let one = |&pixel: &usize| {
+        let (x, y) = (pixel % width, pixel / width);
+        render_row(&shading, camera, y, x..x + 1)
+    };
+    let rendered: Vec<Row> = pixels.par_iter().map(one).collect();
+    for (pixel, row) in pixels.iter().zip(rendered) {
+        row.put(film, *pixel);
+    }
+}
+
+impl Row {
+    /// Writes the pixels from index `first` on.
+    fn put(&self, film: &mut Film, first: usize) {
+        let range = first..first + self.color.len();
+        film.color[range.clone()].copy_from_slice(&self.color);
+        film.depth[range.clone()].copy_from_slice(&self.depth);
+        film.normal[range.clone()].copy_from_slice(&self.normal);
+        film.part[range.clone()].copy_from_slice(&self.part);
+        film.face[range].copy_from_slice(&self.face);
+    }
+}
+
+/// The pixels of row `y` in the given columns.
+fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize, columns: Range<usize>) -> Row {
     let resolution = shading.options.resolution;
-    let width = resolution[0] as usize;
+    let width = columns.len();
     let mut row = Row {
         color: vec![[0.0; 4]; width],
         depth: vec![f32::INFINITY; width],
@@ -68,9 +98,9 @@ fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
         part: vec![0; width],
         face: vec![0; width],
     };
-    for x in 0..width {
+    for (place, x) in columns.enumerate() {
         let pixel = pixel_key(x as u32, y as u32);
-        row.color[x] = pixel_color(shading, camera, x, y, pixel);
+        row.color[place] = pixel_color(shading, camera, x, y, pixel);
         let ray = pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5);
         let Some(prepared) = prepare::<f32>(&ray, shading.scene.header) else { continue };
         let exactness = shading.options.exactness;
@@ -78,10 +108,10 @@ fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize) -> Row {
         let t = prepared.start + hit.distance.to_f64();
         let normal = hit_normal(shading.scene, &hit);
         let facing = if normal.dot(prepared.ray.direction) > 0.0 { -normal } else { normal };
-        row.depth[x] = (t * ray.direction.dot(camera.forward)) as f32;
-        row.normal[x] = facing.to_array();
-        row.part[x] = hit.instance + 1;
-        row.face[x] = hit.face + 1;
+        row.depth[place] = (t * ray.direction.dot(camera.forward)) as f32;
+        row.normal[place] = facing.to_array();
+        row.part[place] = hit.instance + 1;
+        row.face[place] = hit.face + 1;
     }
     row
 }

@@ -6,7 +6,7 @@
 use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
-use crate::render::cpu::shade;
+use crate::render::cpu::{self, shade};
 use crate::render::{Camera, Exactness, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
@@ -106,12 +106,12 @@ impl Gpu {
             if tile.is_cut_short() {
                 tile = self.render_tile(scene, options.exactness, parameters, NARROW, &mut || {})?;
             }
-            if tile.is_cut_short() {
-                return Err(GpuError::Incomplete);
-            }
             for (color, sum) in film.color[first..].iter_mut().zip(&tile.sums) {
                 *color = sum.map(|component| component / samples as f32);
             }
+            // What a software device gives up on, a few pixels at poles, the twin renders.
+            let given_up = (first..).zip(&tile.centers).filter(|(_, center)| center.incomplete != 0);
+            let given_up: Vec<usize> = given_up.map(|(pixel, _)| pixel).collect();
             for (pixel, center) in (first..).zip(&tile.centers) {
                 if center.face != 0 {
                     film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;
@@ -120,6 +120,7 @@ impl Gpu {
                     film.face[pixel] = center.face;
                 }
             }
+            cpu::render_pixels(&scene.scene, camera, options, &given_up, &mut film);
         }
         options.background.put_behind(&mut film);
         Ok(film)
