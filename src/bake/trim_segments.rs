@@ -38,7 +38,7 @@ impl Evaluation {
 pub(super) struct Segments {
     /// Each its own source.
     pub pieces: Vec<Piece>,
-    /// Of the pieces; those of straight ones decide nothing.
+    /// Of the pieces.
     bands: Vec<Band>,
     evaluation: Evaluation,
 }
@@ -156,7 +156,7 @@ fn is_narrow(piece: &Piece, band: &Band) -> bool {
 /// The band of a piece. A straight one goes by v, so that its u at a height comes of it, within the roundings of kernels.
 fn band_of(region: &Region, piece: &Piece) -> Band {
     match piece.curve {
-        None => Band { by_v: true, half_width: trim_band::ROUNDING as f32, ..Band::NONE },
+        None => Band { by_v: true, half_width: narrow::above(trim_band::ROUNDING), ..Band::NONE },
         Some(_) if (0..2).any(|axis| piece.low[axis] == piece.high[axis]) => Band::NONE,
         Some(curve) => {
             band(&region.curves[curve as usize].piece(piece.t[0], piece.t[1]), piece.low, piece.high)

@@ -47,6 +47,19 @@ pub(super) fn star(center: DVec2, radius: f64, corners: usize, random: &mut Rand
     polygon(&(0..corners).map(|i| corner(i, radius * (0.3 + 0.7 * random.next()))).collect::<Vec<_>>())
 }
 
+/// A polygon whose corners lie on eighths of the window, or off them by a rounding.
+pub(super) fn beside_planes(random: &mut Random) -> Loop {
+    let p = DVec2::new;
+    let mut nearly = || {
+        let eighth = ((random.next() * 9.0).floor() / 8.0) as f32;
+        let off = ((random.next() * 5.0).floor() - 2.0) as f32 * f32::EPSILON * 0.25;
+        f64::from((eighth + off).clamp(0.0, 1.0))
+    };
+    let mut corners: Vec<DVec2> = (0..12).map(|_| p(nearly(), nearly())).collect();
+    corners.extend([p(0.0, 0.0), p(1.0, 1.0)]);
+    polygon(&corners)
+}
+
 pub(super) fn trim(loops: Vec<Loop>) -> FaceTrim {
     let curves: Vec<_> = loops.into_iter().flatten().collect();
     let points = || curves.iter().flat_map(|c| &c.points).map(|p| p.point());
@@ -213,14 +226,7 @@ fn corners_beside_planes_by_a_rounding() {
     check("tilted", vec![polygon(&[p(0.0, tilt), p(0.9, 0.0), p(1.0, 0.5), p(0.9, 1.0), p(0.0, 1.0)])], 3000);
     let mut random = Random(11);
     for _ in 0..100 {
-        let mut nearly = || {
-            let eighth = ((random.next() * 9.0).floor() / 8.0) as f32;
-            let off = ((random.next() * 5.0).floor() - 2.0) as f32 * f32::EPSILON * 0.25;
-            f64::from((eighth + off).clamp(0.0, 1.0))
-        };
-        let mut corners: Vec<DVec2> = (0..12).map(|_| p(nearly(), nearly())).collect();
-        corners.extend([p(0.0, 0.0), p(1.0, 1.0)]);
-        check("near planes", vec![polygon(&corners)], 150);
+        check("near planes", vec![beside_planes(&mut random)], 150);
     }
 }
 

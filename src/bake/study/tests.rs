@@ -1,7 +1,7 @@
 //! Every method against an even-odd count over the region's curves in f64.
 
 use super::super::region::{Piece, Region, parameter_at};
-use super::super::trim_tests::{Loop, Random, circle, polygon, rectangle, star, trim};
+use super::super::trim_tests::{Loop, Random, beside_planes, circle, polygon, rectangle, star, trim};
 use super::super::{BakeOptions, TrimRegions, bake_with_regions, retrim};
 use super::build;
 use crate::geometry::Homogeneous;
@@ -147,15 +147,7 @@ fn loops_of_all_kinds() {
         .collect();
     check("stairs", vec![polygon(&stairs)], 1000);
     for seed in 0..10 {
-        let mut random = Random(seed);
-        let mut nearly = || {
-            let eighth = ((random.next() * 9.0).floor() / 8.0) as f32;
-            let off = ((random.next() * 5.0).floor() - 2.0) as f32 * f32::EPSILON * 0.25;
-            f64::from((eighth + off).clamp(0.0, 1.0))
-        };
-        let mut corners: Vec<DVec2> = (0..12).map(|_| p(nearly(), nearly())).collect();
-        corners.extend([p(0.0, 0.0), p(1.0, 1.0)]);
-        check("near planes", vec![polygon(&corners)], 200);
+        check("near planes", vec![beside_planes(&mut Random(seed))], 200);
     }
 }
 

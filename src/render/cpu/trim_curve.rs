@@ -77,22 +77,27 @@ impl Curve<'_> {
         [number(place), number(place + 1), if has_weight { number(place + 2) } else { T::ONE }]
     }
 
-    /// The point at `t` by Horner's scheme in Bernstein form.
+    /// The point at `t`.
     fn curve_at<T: Real>(&self, t: T) -> [T; 2] {
-        let degree = self.degree;
-        let s = T::ONE - t;
-        let mut factor = T::ONE;
-        let start = self.control_point::<T>(0);
-        let mut sum = [start[0] * s, start[1] * s, start[2] * s];
-        for i in 1..degree {
-            // binomial(n, i) tⁱ from the one before.
-            factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
-            let p = self.control_point::<T>(i);
-            sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
-        }
-        let power = factor * t / T::from_f32(degree as f32);
-        let p = self.control_point::<T>(degree);
-        let weight = sum[2] + p[2] * power;
-        [(sum[0] + p[0] * power) / weight, (sum[1] + p[1] * power) / weight]
+        rational_point(self.degree, t, |index| self.control_point(index))
     }
+}
+
+/// The point at `t` of a rational Bézier curve, given its homogeneous control points, by Horner's scheme in Bernstein form.
+#[inline(always)]
+pub fn rational_point<T: Real>(degree: u32, t: T, control: impl Fn(u32) -> [T; 3]) -> [T; 2] {
+    let s = T::ONE - t;
+    let mut factor = T::ONE;
+    let start = control(0);
+    let mut sum = [start[0] * s, start[1] * s, start[2] * s];
+    for i in 1..degree {
+        // binomial(n, i) tⁱ from the one before.
+        factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
+        let p = control(i);
+        sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
+    }
+    let power = factor * t / T::from_f32(degree as f32);
+    let end = control(degree);
+    let weight = sum[2] + end[2] * power;
+    [(sum[0] + end[0] * power) / weight, (sum[1] + end[1] * power) / weight]
 }

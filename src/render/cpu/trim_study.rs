@@ -4,6 +4,7 @@
 //! where the method has parallel boxing (Sloup and Havran 2021, eqs. 6 and 7); what is left bisects the curve (Schollmeyer and Fröhlich 2009, section 3.2), lines
 //! like any other, as both papers do. These methods know nothing of what is near.
 
+use super::trim_curve::rational_point;
 use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::{
@@ -258,22 +259,8 @@ impl<T: Real, const COUNT: bool> Query<'_, T, COUNT> {
         low[0] + (high[0] - low[0]) * ((v - low[1]) / (high[1] - low[1])) <= u
     }
 
-    /// The point of a rational Bézier curve by Horner's scheme in Bernstein form.
     fn element_point(&self, first: u32, degree: u32, t: T) -> [T; 2] {
-        let s = T::ONE - t;
-        let mut factor = T::ONE;
-        let start = self.element_control(first);
-        let mut sum = [start[0] * s, start[1] * s, start[2] * s];
-        for i in 1..degree {
-            // binomial(n, i) tⁱ from the one before.
-            factor = factor * t * (T::from_f32((degree + 1 - i) as f32) / T::from_f32(i as f32));
-            let p = self.element_control(first + i);
-            sum = [(sum[0] + p[0] * factor) * s, (sum[1] + p[1] * factor) * s, (sum[2] + p[2] * factor) * s];
-        }
-        let power = factor * t / T::from_f32(degree as f32);
-        let end = self.element_control(first + degree);
-        let weight = sum[2] + end[2] * power;
-        [(sum[0] + end[0] * power) / weight, (sum[1] + end[1] * power) / weight]
+        rational_point(degree, t, |index| self.element_control(first + index))
     }
 
     #[inline(always)]
