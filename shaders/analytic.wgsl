@@ -97,19 +97,24 @@ fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
     return roots;
 }
 
+fn cone_residual_and_change(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32, t: f32) -> vec2<f32> {
+    let p = o + d * t;
+    let across = length(p.xy);
+    let rho = radius + slope * p.z;
+    return vec2<f32>(across - abs(rho), (p.x * d.x + p.y * d.y) / across - signum(rho) * slope * d.z);
+}
+
 fn polish_cone(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32, start: f32) -> f32 {
     var t = start;
+    var here = cone_residual_and_change(o, d, radius, slope, t);
     for (var i = 0; i < 3; i++) {
-        let p = o + d * t;
-        let across = length(p.xy);
-        let rho = abs(radius + slope * p.z);
-        let side = signum(radius + slope * p.z);
-        let change = (p.x * d.x + p.y * d.y) / across - side * slope * d.z;
-        let next = t - (across - rho) / change;
-        if !is_finite(next) || abs(next - t) > 0.25 * (across + rho) {
-            return t;
+        let next = t - here.x / here.y;
+        let there = cone_residual_and_change(o, d, radius, slope, next);
+        if !is_finite(next) || !(abs(there.x) < abs(here.x)) {
+            break;
         }
         t = next;
+        here = there;
     }
     return t;
 }

@@ -129,20 +129,23 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     roots
 }
 
+/// Newton's method on `|(x, y)| − |r + k z|`, as long as that gets less: beside a tangent, which has no root to go to, a step is as long as you like.
 fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
-    let mut t = start;
-    for _ in 0..3 {
+    let residual_and_change = |t: T| {
         let p = o + d * t;
         let across = (p.x * p.x + p.y * p.y).sqrt();
-        let rho = (radius + slope * p.z).abs();
-        let sign = (radius + slope * p.z).signum();
-        let change = (p.x * d.x + p.y * d.y) / across - sign * slope * d.z;
-        let next = t - (across - rho) / change;
-        // A tangent or a ray through the apex has no slope to follow.
-        if !((next - t).abs() <= number::<T>(0.25) * (across + rho)) {
-            return t;
+        let rho = radius + slope * p.z;
+        (across - rho.abs(), (p.x * d.x + p.y * d.y) / across - rho.signum() * slope * d.z)
+    };
+    let mut t = start;
+    let (mut residual, mut change) = residual_and_change(t);
+    for _ in 0..3 {
+        let next = t - residual / change;
+        let (left, next_change) = residual_and_change(next);
+        if !(left.abs() < residual.abs()) {
+            break;
         }
-        t = next;
+        (t, residual, change) = (next, left, next_change);
     }
     t
 }
@@ -239,4 +242,42 @@ fn tube_place<T: Real>(p: Vector3<T>, across: T, radii: [T; 2]) -> [T; 2] {
     let near = (across - radii[0]) * (across - radii[0]) + squares;
     let far = (across + radii[0]) * (across + radii[0]) + squares;
     if far.abs() < near.abs() { [-across, -across - radii[0]] } else { [across, across - radii[0]] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines within roundings of a tangent, inside and outside: what counts as touching is at the place where it touches.
+    #[test]
+    fn lines_that_touch_a_cone_do_so_near_it() {
+        let (radius, slope) = (13.0f64, -0.999_999_999_9);
+        let mut touching = 0;
+        for index in 0..20_000u32 {
+            let index = f64::from(index);
+            let (angle, turn) = (index * 0.7, index * 0.618);
+            let z = 12.0 * (index * 0.317).sin();
+            let rho = radius + slope * z;
+            let (sin, cos) = angle.sin_cos();
+            let on = [rho * cos, rho * sin, z];
+            let ruling = [slope * cos, slope * sin, 1.0];
+            let around = [-sin, cos, 0.0];
+            let direction = [0, 1, 2].map(|k| ruling[k] * turn.sin() + around[k] * turn.cos());
+            let height =
+                10f64.powf(-9.0 + 4.0 * (index / 20_000.0)) * if index % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let normal = [cos, sin, -slope];
+            let back = 5.0 * (index * 1.3).cos();
+            let origin = [0, 1, 2].map(|k| (on[k] + normal[k] * height - direction[k] * back) as f32);
+            let (origin, direction) =
+                (Vector3 { x: origin[0], y: origin[1], z: origin[2] }, Vector3::<f32>::from_f64(direction));
+            let roots = cone_roots(origin, direction, radius as f32, slope as f32);
+            for &t in &roots.t[..roots.count] {
+                let p = origin + direction * t;
+                let off = f64::from(p.x).hypot(p.y.into()) - (radius + slope * f64::from(p.z)).abs();
+                assert!(off.abs() < 1e-6 * (20.0 + f64::from(t.abs())), "{index}: {off:e} at {t}");
+                touching += 1;
+            }
+        }
+        assert!(touching > 20_000, "{touching}");
+    }
 }
