@@ -1,7 +1,5 @@
 // The look of a hit; the twin of render/cpu/shade.rs. The constants of the look come from render/cpu/light.rs.
 
-const MAX_LAYERS: u32 = 8u;
-
 struct Lights {
     key: vec3<f32>,
     reserved_0: u32,
@@ -9,74 +7,6 @@ struct Lights {
     reserved_1: u32,
     up: vec3<f32>,
     ambient_occlusion: u32,
-}
-
-struct Shaded {
-    color: vec4<f32>,
-    // The first hit of the ray, and its normal towards the eye; count 0 where nothing is hit.
-    first: Collected,
-    normal: vec3<f32>,
-}
-
-// The twin's `shade_layers`, `shade_hit` and `openness`. One loop walks the ray and the rays that look for the sky in turn, so that `trace`
-// stands once: a driver copies a function's whole text to each of its calls.
-fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32, center_only: bool) -> Shaded {
-    var shaded: Shaded;
-    var ray = pixel_ray.ray;
-    var near = pixel_ray.near;
-    var far = Distance(0.0, INFINITE);
-    var to_sky = false;
-    var layer = 1u;
-    var hit: RawHit;
-    var n: vec3<f32>;
-    while layer <= MAX_LAYERS {
-        var seen: Collected;
-        seen.far = far;
-        trace(ray, near, &seen);
-        var open = 1.0;
-        if to_sky {
-            open = openness(seen);
-        } else {
-            if seen.count == 0u {
-                break;
-            }
-            hit = seen.hit;
-            n = hit_normal(hit);
-            n = select(n, -n, dot(n, ray.direction) > 0.0);
-            if layer == 1u {
-                shaded.first = seen;
-                shaded.normal = n;
-            }
-            if center_only {
-                break;
-            }
-            if lights.ambient_occlusion != 0u {
-                to_sky = true;
-                let place = sky_sample(pixel, sample_index);
-                let direction = cosine_direction(n, place.x, place.y);
-                ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
-                near = Distance(0.0, 0.0);
-                far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
-                continue;
-            }
-        }
-        let material = materials[hit_material(hit)];
-        let lit = shade_surface(lights, n, -pixel_ray.ray.direction, material, open);
-        // What lies behind the last layer is not looked for: the layer stands for it.
-        let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
-        let left = (1.0 - shaded.color.w) * opacity;
-        shaded.color += vec4<f32>(lit * left, left);
-        if shaded.color.w > 0.995 {
-            shaded.color = vec4<f32>(shaded.color.xyz * (1.0 / shaded.color.w), 1.0);
-            break;
-        }
-        to_sky = false;
-        ray = pixel_ray.ray;
-        near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
-        far = Distance(0.0, INFINITE);
-        layer += 1u;
-    }
-    return shaded;
 }
 
 fn hit_material(hit: RawHit) -> u32 {
@@ -120,12 +50,12 @@ fn openness(seen: Collected) -> f32 {
     return 1.0 - blocked * blocked;
 }
 
-fn sky_sample(pixel: u32, sample_index: u32) -> vec2<f32> {
+fn sky_sample(pixel: u32, sample_index: u32, samples: u32) -> vec2<f32> {
     let x = pixel & 0xffffu;
     let y = pixel >> 16u;
     let tile = pixel_key(x >> 2u, y >> 2u);
     let place = ((x & 1u) << 3u) | ((y & 1u) << 2u) | (x & 2u) | ((y & 2u) >> 1u);
-    let index = (place << 6u) + sample_index;
+    let index = place * samples + sample_index;
     let a = hash(tile, 0u, 2u) + index * 0xc13fa9a9u;
     let b = hash(tile, 0u, 3u) + index * 0x91e10da5u;
     return vec2<f32>(unit(a), unit(b));

@@ -1,31 +1,60 @@
-// Pictures: adds one sample to each pixel of a tile, or, where `sample_index` is `samples`, tells what the pixels' centres show.
+// Pictures: what the centres of a tile's pixels show, or one sample more of each of some pixels.
 //
-// One kernel for both: most of its text, which takes drivers long to compile, is the way to a hit.
+// One kernel for both: most of its text, which takes drivers long to compile, is the way to a hit. The records are those of render/cpu/pixels.rs.
 
 struct RenderParameters {
     camera: Camera,
     lights: Lights,
+    // Of a tile; of no account where `centers_only` is 0.
     first_pixel: u32,
     pixel_count: u32,
     sample_index: u32,
     samples: u32,
+    centers_only: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
 }
 
 struct Center {
     normal: vec3<f32>,
     // Along the view direction, from the plane through the scene's centre.
     depth: f32,
+    dark: vec3<f32>,
+    open: f32,
+    lit: vec3<f32>,
+    // INCOMPLETE where any of the pixel's kernels ran out of loop turns.
+    flags: u32,
     // 1 + index; 0 where nothing is hit.
     instance: u32,
     face: u32,
-    // 1 where any of the pixel's kernels ran out of loop turns.
-    incomplete: u32,
-    reserved: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+}
+
+struct Neighbour {
+    normal: vec3<f32>,
+    open: f32,
+    lit: vec3<f32>,
+    instance: u32,
+    face: u32,
+    is_alone: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+}
+
+struct Refined {
+    pixel: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
+    around: array<Neighbour, 5>,
 }
 
 @group(1) @binding(0) var<uniform> parameters: RenderParameters;
-@group(1) @binding(1) var<storage, read_write> colors: array<vec4<f32>>;
-@group(1) @binding(2) var<storage, read_write> centers: array<Center>;
+@group(1) @binding(1) var<storage, read> refined: array<Refined>;
+@group(1) @binding(2) var<storage, read_write> colors: array<vec4<f32>>;
+@group(1) @binding(3) var<storage, read_write> centers: array<Center>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
     if (*collected).count == 0u || comes_before(hit, (*collected).hit) {
@@ -40,28 +69,40 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= parameters.pixel_count {
         return;
     }
-    let index = parameters.first_pixel + id.x;
+    let center_only = parameters.centers_only != 0u;
+    let index = select(refined[id.x].pixel, parameters.first_pixel + id.x, center_only);
     let x = index % parameters.camera.width;
     let y = index / parameters.camera.width;
     let pixel = pixel_key(x, y);
-    let center_only = parameters.sample_index == parameters.samples;
-    let offset = sample_offset(pixel, parameters.sample_index, parameters.samples);
-    let place = vec2<f32>(f32(x), f32(y)) + select(offset, vec2<f32>(0.5), center_only);
-    let ray = pixel_ray(parameters.camera, place.x, place.y);
+    let offset = select(
+        sample_offset(pixel, parameters.sample_index, parameters.samples),
+        vec2<f32>(0.5),
+        center_only,
+    );
+    let ray = pixel_ray(parameters.camera, f32(x) + offset.x, f32(y) + offset.y);
     var shaded: Shaded;
+    shaded.open = 1.0;
     if ray.meets {
-        shaded = shade_layers(parameters.lights, ray, pixel, parameters.sample_index, center_only);
+        shaded = shade_layers(parameters.lights, ray, pixel, center_only, id.x);
     }
-    colors[id.x] += shaded.color;
     var center = centers[id.x];
-    if center_only && shaded.first.count != 0u {
-        let hit = shaded.first.hit;
-        let t = ray.slide + (hit.distance.anchor + hit.distance.offset);
-        center.normal = shaded.normal;
-        center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
-        center.instance = hit.instance + 1u;
-        center.face = hit.face + 1u;
+    if center_only {
+        center.open = shaded.open;
+        if shaded.first.count != 0u {
+            let hit = shaded.first.hit;
+            let t = ray.slide + (hit.distance.anchor + hit.distance.offset);
+            center.normal = shaded.normal;
+            center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
+            center.dark = shaded.dark;
+            center.lit = shaded.lit;
+            center.flags |= select(0u, SEE_THROUGH, shaded.is_see_through);
+            center.instance = hit.instance + 1u;
+            center.face = hit.face + 1u;
+        }
+    } else {
+        colors[id.x] += shaded.color;
+        center.flags |= beside(shaded, offset, id.x);
     }
-    center.incomplete |= u32(was_cut());
+    center.flags |= select(0u, INCOMPLETE_PIXEL, was_cut());
     centers[id.x] = center;
 }

@@ -6,11 +6,13 @@
 
 mod format;
 mod open;
+mod store;
 #[cfg(test)]
 mod tests;
 mod write;
 
 pub use open::CacheFile;
+pub use store::{Key, Store};
 pub use write::write;
 
 /// What a scene was baked from, and how.

@@ -8,7 +8,7 @@ use crate::scene::SceneBuffers;
 use glam::DVec3;
 
 /// A unit square with a quarter cut off along a diagonal: one planar face with a trim tree.
-fn buffers() -> SceneBuffers {
+pub(super) fn buffers() -> SceneBuffers {
     let mut model = Model::default();
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.7), (0.6, 1.0), (0.0, 1.0)];
     let points = corners.map(|(x, y)| DVec3::new(x, y, 0.0));
@@ -40,7 +40,7 @@ fn buffers() -> SceneBuffers {
     bake(&model, &options, &|_, _| {})
 }
 
-fn provenance() -> Provenance {
+pub(super) fn provenance() -> Provenance {
     Provenance { source_hash: [3; 32], distortion: 0.125, trim_tolerance: 1e-7 }
 }
 

@@ -1,7 +1,7 @@
 //! The command line as clap sees it. Flags follow f3d where it has one.
 
 use super::args_bench::Bench;
-use crate::render::Exactness;
+use crate::render::{Exactness, Sampling};
 use crate::scene::TrimMethod;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
@@ -86,9 +86,12 @@ pub(super) struct Render {
     /// Pixels across and down.
     #[arg(long, value_name = "W,H", default_value = "1000,600", value_parser = parse_resolution)]
     pub(super) resolution: [u32; 2],
-    /// Samples per pixel.
+    /// Samples of a pixel in which something changes.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(super) samples: u32,
+    /// Which pixels get all their samples.
+    #[arg(long, value_enum, default_value_t = SamplingChoice::Adaptive)]
+    pub(super) sampling: SamplingChoice,
     /// What computes.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
@@ -249,6 +252,23 @@ impl From<ExactnessChoice> for Exactness {
             ExactnessChoice::Fast => Self::Fast,
             ExactnessChoice::Balanced => Self::Balanced,
             ExactnessChoice::Exact => Self::Exact,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum SamplingChoice {
+    /// Those in which something changes; the others have the light of their centre.
+    Adaptive,
+    /// All.
+    Uniform,
+}
+
+impl From<SamplingChoice> for Sampling {
+    fn from(choice: SamplingChoice) -> Self {
+        match choice {
+            SamplingChoice::Adaptive => Self::Adaptive,
+            SamplingChoice::Uniform => Self::Uniform,
         }
     }
 }

@@ -46,6 +46,7 @@ fn render_one(
     let options = RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
+        sampling: command.sampling.into(),
         background: if command.no_background {
             Background::Transparent
         } else {

@@ -11,5 +11,5 @@ pub mod reference;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
-pub use options::{Background, Exactness, RenderOptions};
+pub use options::{Background, Exactness, RenderOptions, Sampling};
 pub use ray::{Hit, Ray};

@@ -34,6 +34,16 @@ pub enum Exactness {
     Exact,
 }
 
+/// Which pixels get all samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sampling {
+    /// Those in which something changes; the others have the light of their centre.
+    #[default]
+    Adaptive,
+    /// All.
+    Uniform,
+}
+
 /// How to render.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -41,6 +51,8 @@ pub struct RenderOptions {
     pub resolution: [u32; 2],
     /// Samples per pixel, stratified over the pixel.
     pub samples: u32,
+    /// Which pixels get them all.
+    pub sampling: Sampling,
     /// Behind the model.
     pub background: Background,
     /// Whether to darken where the surroundings block the light.
@@ -54,6 +66,7 @@ impl Default for RenderOptions {
         Self {
             resolution: [1000, 600],
             samples: 16,
+            sampling: Sampling::default(),
             background: Background::Color([1.0, 1.0, 1.0]),
             ambient_occlusion: true,
             exactness: Exactness::default(),

@@ -14,7 +14,7 @@ use trimray::bake::BakeOptions;
 use trimray::bench::{aimed, chord, edge_points};
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
-use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions};
+use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions, Sampling};
 use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
 /// Share of rays that have to agree. What is left are near ties: silhouettes, trim borders, coincident faces.
@@ -63,6 +63,7 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
     RenderOptions {
         resolution: [160, 110],
         samples: 4,
+        sampling: Sampling::Adaptive,
         background: Background::Transparent,
         ambient_occlusion,
         exactness: Exactness::Exact,

@@ -8,6 +8,7 @@
     reason = "negated on purpose: a comparison with what is not a number takes the safe way"
 )]
 
+pub(super) mod adaptive;
 pub(super) mod analytic;
 pub(super) mod bernstein;
 pub(super) mod bvh;
@@ -21,7 +22,9 @@ pub(super) mod hit;
 mod isolate;
 pub(super) mod light;
 mod net;
+mod occlusion;
 mod parity;
+pub(super) mod pixels;
 mod planes;
 pub(super) mod probe;
 mod queries;
@@ -37,6 +40,8 @@ pub(super) mod trim_study;
 pub(super) mod vector;
 
 #[cfg(test)]
+mod adaptive_tests;
+#[cfg(test)]
 mod exactness_tests;
 #[cfg(test)]
 mod test_scenes;
@@ -48,7 +53,9 @@ pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
 pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
-pub use self::render::{render, render_pixels};
+pub use self::render::render;
+#[cfg(feature = "gpu")]
+pub(super) use self::render::{centers, samples};
 pub use self::trim::{trim_counted, trim_inside};
 pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;

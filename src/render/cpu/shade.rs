@@ -6,14 +6,25 @@ use super::light::{
     AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
     OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
-use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
+use super::pixels::{BESIDE_ALL, BESIDE_LEFT, Center, Neighbour, Refined, SEE_THROUGH, contrast};
+use super::ray_space::{Distance, WorldRay, prepare, scene_radius, whole_steps};
 use super::trace::{RawHit, first_hit, first_hit_before};
 use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
+use bytemuck::Zeroable;
 
 /// See-through faces that are blended along a ray; the last of so many counts as opaque.
 const MAX_LAYERS: usize = 8;
+
+/// Cosine of the angle between normals under one sky.
+pub const SAME_WAY: f32 = 0.9;
+
+/// How close to a neighbour samples tell of it, in pixels.
+pub const CLOSE: f32 = 0.25;
+
+/// The contrast from which a sample shows something else.
+pub const OTHER: f32 = 8.0 / 255.0;
 
 /// Directions of light in model space, fixed to the camera.
 #[derive(Debug, Clone, Copy)]
@@ -48,28 +59,74 @@ impl Lights {
     }
 }
 
-/// The colour along a model-space ray: linear light, premultiplied, with coverage.
-pub fn shade_ray(shading: &Shading<'_, '_>, ray: &Ray, pixel: u32, sample: u32) -> [f32; 4] {
+/// What the ray through a pixel's centre shows, and what it sees of the sky by one ray.
+pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel: u32) -> Center {
     let scene = shading.scene;
-    let Some(prepared) = prepare::<f32>(ray, scene.header) else {
-        return [0.0; 4];
+    let mut center = Center { open: 1.0, ..Center::zeroed() };
+    let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
+    let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, prepared.near) else {
+        return center;
     };
-    shade_layers(shading, &prepared, pixel, sample)
+    let n = visible_normal(scene, &prepared.ray, &hit);
+    let material = hit_material(scene, &hit);
+    let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
+    if shading.options.ambient_occlusion {
+        center.open = openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, 0, 1));
+    }
+    center.normal = n.to_array();
+    center.depth = ((prepared.start + hit.distance.to_f64()) * ray.direction.dot(camera.forward)) as f32;
+    center.dark = light(0.0);
+    center.lit = light(1.0);
+    center.flags = if material.opacity < 1.0 { SEE_THROUGH } else { 0 };
+    center.instance = hit.instance + 1;
+    center.face = hit.face + 1;
+    center
 }
 
-/// Front to back through see-through faces.
-fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u32, sample: u32) -> [f32; 4] {
+/// What a ray through a pixel shows.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Shaded {
+    /// Linear light, premultiplied, with coverage.
+    pub color: [f32; 4],
+    /// Of the first thing that is hit, as in [`Center`]; none where nothing is.
+    pub lit: Option<[f32; 3]>,
+}
+
+/// The light along a model-space ray through a place of a pixel, front to back through see-through faces.
+pub fn shade_sample(
+    shading: &Shading<'_, '_>,
+    ray: &Ray,
+    pixel: u32,
+    sample: u32,
+    around: &[Neighbour; 5],
+) -> Shaded {
     let scene = shading.scene;
+    let mut shaded = Shaded::default();
+    let Some(prepared) = prepare::<f32>(ray, scene.header) else { return shaded };
     let mut near = prepared.near;
-    let mut color = [0.0_f32; 4];
     for layer in 1..=MAX_LAYERS {
         let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
             break;
         };
         let material = hit_material(scene, &hit);
-        let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
+        let n = visible_normal(scene, &prepared.ray, &hit);
+        let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
+        let mut open = 1.0;
+        if layer == 1 {
+            shaded.lit = Some(light(1.0));
+        }
+        if shading.options.ambient_occlusion {
+            let known = if layer == 1 { known_openness(around, &hit, n) } else { -1.0 };
+            open = if known >= 0.0 {
+                known
+            } else {
+                openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, sample, shading.options.samples))
+            };
+        }
+        let lit = light(open);
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
+        let color = &mut shaded.color;
         let left = (1.0 - color[3]) * opacity;
         for k in 0..3 {
             color[k] += lit[k] * left;
@@ -77,12 +134,55 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
         color[3] += left;
         if color[3] > 0.995 {
             let full = 1.0 / color[3];
-            return [color[0] * full, color[1] * full, color[2] * full, 1.0];
+            *color = [color[0] * full, color[1] * full, color[2] * full, 1.0];
+            break;
         }
         let skip = surface_offset(scene);
         near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
     }
-    color
+    shaded
+}
+
+/// What the pixels around know of the sky over a hit: that of the first that shows the same face turned the same way, else negative.
+fn known_openness(around: &[Neighbour; 5], hit: &RawHit<f32>, n: Vector3<f32>) -> f32 {
+    for neighbour in around {
+        let is_same = neighbour.face == hit.face + 1 && neighbour.instance == hit.instance + 1;
+        let [x, y, z] = neighbour.normal;
+        if is_same && n.dot(Vector3 { x, y, z }) > SAME_WAY {
+            return neighbour.open;
+        }
+    }
+    -1.0
+}
+
+/// Bits from [`BESIDE_LEFT`] on: the neighbours whose centres do not show what a sample shows at `place`, in 0..1, close to them; all of them where
+/// none shows it that is not alone with it.
+pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
+    let is_close = [place[0] < CLOSE, place[0] > 1.0 - CLOSE, place[1] < CLOSE, place[1] > 1.0 - CLOSE];
+    let (mut flags, mut shown) = (0, 0);
+    for side in 0..4 {
+        let neighbour = &refined.around[side + 1];
+        let differs = match shaded.lit {
+            Some(lit) => is_other([lit, neighbour.lit], [1, neighbour.face]),
+            None => neighbour.face != 0,
+        };
+        shown += u32::from(!differs && neighbour.is_alone == 0);
+        if differs && is_close[side] {
+            flags |= BESIDE_LEFT << side;
+        }
+    }
+    if shown == 0 { BESIDE_ALL } else { flags }
+}
+
+/// Whether two places show different things: their lights under the whole sky, and 0 for a face where there is none.
+pub fn is_other(lit: [[f32; 3]; 2], face: [u32; 2]) -> bool {
+    (face[0] == 0) != (face[1] == 0) || face[0] != 0 && contrast(lit[0], lit[1]) > OTHER
+}
+
+/// The normal towards the eye.
+fn visible_normal(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: &RawHit<f32>) -> Vector3<f32> {
+    let outward = hit_normal(scene, hit);
+    if outward.dot(ray.direction) > 0.0 { -outward } else { outward }
 }
 
 /// The look of a hit: the occurrence's, else the face's.
@@ -96,22 +196,6 @@ pub fn hit_material(scene: &Scene<'_>, hit: &RawHit<f32>) -> Material {
 /// How far from a surface secondary rays start.
 fn surface_offset(scene: &Scene<'_>) -> f32 {
     (scene_radius(scene.header) * SURFACE_OFFSET) as f32
-}
-
-/// The light that an opaque hit sends back along the ray.
-fn shade_hit(
-    shading: &Shading<'_, '_>,
-    ray: &WorldRay<f32>,
-    hit: &RawHit<f32>,
-    material: &Material,
-    pixel: u32,
-    sample: u32,
-) -> [f32; 3] {
-    let outward = hit_normal(shading.scene, hit);
-    let n = if outward.dot(ray.direction) > 0.0 { -outward } else { outward };
-    let open =
-        if shading.options.ambient_occlusion { openness(shading, ray, hit, n, pixel, sample) } else { 1.0 };
-    shade_surface(&shading.lights, n, -ray.direction, material, open)
 }
 
 /// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
@@ -151,17 +235,15 @@ fn specular(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>) -> f32 {
     SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * along.powf(GLOSS) * n.dot(light)
 }
 
-/// The share of the sky seen from a hit, by one ray drawn from a cosine distribution; near blockers count more than far ones.
+/// The share of the sky seen from a hit, by one ray drawn from a cosine distribution by two numbers in 0..1; near blockers count more than far ones.
 fn openness(
     shading: &Shading<'_, '_>,
     ray: &WorldRay<f32>,
     hit: &RawHit<f32>,
     n: Vector3<f32>,
-    pixel: u32,
-    sample: u32,
+    [a, b]: [f32; 2],
 ) -> f32 {
     let scene = shading.scene;
-    let [a, b] = sky_sample(pixel, sample);
     let direction = cosine_direction(n, a, b);
     let probe = leave_surface(scene, ray, hit, n, direction, surface_offset(scene));
     let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
@@ -176,12 +258,12 @@ fn openness(
 
 /// A point of the unit square: the R2 sequence (Roberts 2018), which runs on from pixel to pixel of a tile of 4 × 4, in an order that sets neighbours far
 /// apart, so that they err in opposite ways and the eye, which takes the mean, sees less grain. Tiles are moved by a random offset: without it
-/// the sequence draws stripes. In whole numbers, so that CPU and GPU agree to the bit.
-fn sky_sample(pixel: u32, sample: u32) -> [f32; 2] {
+/// the sequence draws stripes. In whole numbers, so that CPU and GPU agree to the bit. A pixel takes `samples` of it, one after the other.
+fn sky_sample(pixel: u32, sample: u32, samples: u32) -> [f32; 2] {
     let (x, y) = (pixel & 0xffff, pixel >> 16);
     let tile = pixel_key(x >> 2, y >> 2);
     let place = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;
-    let index = (place << 6).wrapping_add(sample);
+    let index = place.wrapping_mul(samples).wrapping_add(sample);
     let a = hash(tile, 0, 2).wrapping_add(index.wrapping_mul(0xc13f_a9a9));
     let b = hash(tile, 0, 3).wrapping_add(index.wrapping_mul(0x91e1_0da5));
     [unit(a), unit(b)]

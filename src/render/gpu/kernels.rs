@@ -7,7 +7,7 @@
 
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
-use crate::render::cpu::light;
+use crate::render::cpu::{light, pixels, shade};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::scene::{
     Band, Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
@@ -50,7 +50,10 @@ impl Entry {
 
     fn text(self) -> &'static str {
         match self {
-            Self::Render => include_str!("../../../shaders/entry/render.wgsl"),
+            Self::Render => concat!(
+                include_str!("../../../shaders/entry/render.wgsl"),
+                include_str!("../../../shaders/entry/pixel.wgsl")
+            ),
             Self::Probe => include_str!("../../../shaders/entry/probe.wgsl"),
             Self::Trim => include_str!("../../../shaders/entry/trim.wgsl"),
         }
@@ -59,7 +62,7 @@ impl Entry {
     /// The storage buffers of group 1 after the uniform of binding 0; whether each is only read.
     fn storage_is_read_only(self) -> &'static [bool] {
         match self {
-            Self::Render => &[false, false],
+            Self::Render => &[true, false, false],
             Self::Probe => &[true, false, false],
             Self::Trim => &[true, false],
         }
@@ -192,7 +195,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 40] = [
+    let words: [(&str, u32); 44] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
@@ -212,6 +215,10 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("WIDTH_BIAS", Band::WIDTH_BIAS),
         ("BY_V", Band::BY_V),
         ("INCOMPLETE", INCOMPLETE),
+        ("INCOMPLETE_PIXEL", pixels::INCOMPLETE),
+        ("SEE_THROUGH", pixels::SEE_THROUGH),
+        ("BESIDE_LEFT", pixels::BESIDE_LEFT),
+        ("BESIDE_ALL", pixels::BESIDE_ALL),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
         ("FAST", Exactness::Fast as u32),
         ("BALANCED", Exactness::Balanced as u32),
@@ -247,6 +254,9 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
         ("OCCLUSION_RADIUS", light::OCCLUSION_RADIUS as f32),
         ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
+        ("SAME_WAY", shade::SAME_WAY),
+        ("CLOSE", shade::CLOSE),
+        ("OTHER", shade::OTHER),
         ("BEFORE_ONE", trim_study::BEFORE_ONE),
         ("SLAB_STEPS", trim_study::SLAB_STEPS),
     ];

@@ -1,16 +1,20 @@
-//! Pictures: one sample of one tile a dispatch.
+//! Pictures: the centres of a run of pixels a dispatch, then one sample of some pixels a dispatch.
 //!
-//! A tile is a run of pixels, short enough that a dispatch never comes near a driver's time limit. Its samples are summed on the
-//! device in the CPU tracer's order; then the tile is read back. Memory on the device does not depend on the picture's size.
+//! A run is short enough that a dispatch never comes near a driver's time limit. Samples are summed on the
+//! device in the CPU tracer's order, then read back. Memory on the device does not depend on the picture's size. What is made of centres and samples
+//! is common to both tracers (`cpu::adaptive`).
 
 use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
+use crate::render::cpu::adaptive::{Centers, MOST_REFINED, paint};
+use crate::render::cpu::pixels::{Center, INCOMPLETE, Refined, Sampled};
 use crate::render::cpu::{self, shade};
-use crate::render::{Camera, Exactness, RenderOptions};
+use crate::render::{Camera, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use std::ops::Range;
 
 /// `Camera` of `shaders/camera.wgsl`. 96 bytes.
 #[repr(C)]
@@ -42,7 +46,7 @@ struct GpuLights {
     ambient_occlusion: u32,
 }
 
-/// `RenderParameters` of `shaders/entry/render.wgsl`. 160 bytes.
+/// `RenderParameters` of `shaders/entry/render.wgsl`. 176 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct RenderParameters {
@@ -52,19 +56,11 @@ struct RenderParameters {
     pixel_count: u32,
     sample_index: u32,
     samples: u32,
+    centers_only: u32,
+    reserved: [u32; 3],
 }
 
-/// What the centre of a pixel shows. 32 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Center {
-    normal: [f32; 3],
-    depth: f32,
-    instance: u32,
-    face: u32,
-    incomplete: u32,
-    reserved: u32,
-}
+const _: () = assert!(MOST_REFINED <= MOST_ELEMENTS);
 
 impl Gpu {
     /// Renders a picture; `progress` is told (done, total) units of work.
@@ -79,88 +75,124 @@ impl Gpu {
         options: &RenderOptions,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Film, GpuError> {
-        let [width, height] = options.resolution;
-        let mut film = Film::new(width as usize, height as usize);
         let Some((eye_distance, placed)) = place_camera(camera, options.resolution, scene.scene.header)
         else {
+            let [width, height] = options.resolution.map(|n| n as usize);
+            let mut film = Film::new(width, height);
             options.background.put_behind(&mut film);
             return Ok(film);
         };
-        let samples = options.samples.max(1);
-        let tiles = film.color.len().div_ceil(MOST_ELEMENTS);
-        let units = tiles * (samples as usize + 1);
-        let mut done = 0;
-        for first in (0..film.color.len()).step_by(MOST_ELEMENTS) {
-            let parameters = RenderParameters {
-                camera: placed,
-                lights: gpu_lights(&shade::Lights::from_camera(camera), options),
-                first_pixel: first as u32,
-                pixel_count: MOST_ELEMENTS.min(film.color.len() - first) as u32,
-                sample_index: 0,
-                samples,
-            };
-            let mut tile = self.render_tile(scene, options.exactness, parameters, WIDE, &mut || {
-                done += 1;
-                progress(done, units);
-            })?;
-            if tile.is_cut_short() {
-                tile = self.render_tile(scene, options.exactness, parameters, NARROW, &mut || {})?;
-            }
-            for (color, sum) in film.color[first..].iter_mut().zip(&tile.sums) {
-                *color = sum.map(|component| component / samples as f32);
-            }
-            // What a software device gives up on, a few pixels at poles, the twin renders.
-            let given_up = (first..).zip(&tile.centers).filter(|(_, center)| center.incomplete != 0);
-            let given_up: Vec<usize> = given_up.map(|(pixel, _)| pixel).collect();
-            for (pixel, center) in (first..).zip(&tile.centers) {
-                if center.face != 0 {
-                    film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;
-                    film.normal[pixel] = center.normal;
-                    film.part[pixel] = center.instance;
-                    film.face[pixel] = center.face;
-                }
-            }
-            cpu::render_pixels(&scene.scene, camera, options, &given_up, &mut film);
+        let shot = Shot { gpu: self, scene, camera, options, placed };
+        let count = options.resolution.map(|n| n as usize).iter().product();
+        let mut centers = Centers::new(camera, options);
+        for first in (0..count).step_by(MOST_ELEMENTS) {
+            let pixels = first as u32..(first + MOST_ELEMENTS).min(count) as u32;
+            progress(first, count);
+            centers.put(first, &shot.centers(pixels)?, eye_distance);
         }
+        progress(count, count);
+        let mut film = paint(centers, |refined| shot.samples(refined))?;
         options.background.put_behind(&mut film);
         Ok(film)
     }
+}
 
-    /// All samples of a tile and its pixels' centres; `step` is called after each dispatch.
-    fn render_tile(
-        &self,
-        scene: &GpuScene<'_>,
-        exactness: Exactness,
-        mut parameters: RenderParameters,
-        lanes: u32,
-        step: &mut dyn FnMut(),
-    ) -> Result<Tile, GpuError> {
-        let count = parameters.pixel_count;
-        let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
-        let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = self.pipeline(Entry::Render, scene, exactness, lanes)?;
-        // The last one tells what the pixels' centres show.
-        for sample in 0..=parameters.samples {
-            parameters.sample_index = sample;
-            let uniform = self.create_uniform("render parameters", &parameters);
-            let bind_group = self.bind(Entry::Render, &[&uniform, &colors, &centers]);
-            self.dispatch(&pipeline, scene, &bind_group, count, lanes)?;
-            step();
+/// One picture of one scene.
+struct Shot<'a> {
+    gpu: &'a Gpu,
+    scene: &'a GpuScene<'a>,
+    camera: &'a Camera,
+    options: &'a RenderOptions,
+    placed: GpuCamera,
+}
+
+impl Shot<'_> {
+    /// What the centres of a run of pixels show; depths are from the plane through the scene's centre.
+    fn centers(&self, pixels: Range<u32>) -> Result<Vec<Center>, GpuError> {
+        let parameters = RenderParameters {
+            first_pixel: pixels.start,
+            pixel_count: pixels.len() as u32,
+            centers_only: 1,
+            ..self.parameters()
+        };
+        let mut centers = self.run(parameters, &[Refined::zeroed()])?.centers;
+        // What a software device gives up on, a few pixels at poles, the twin renders.
+        let given_up: Vec<u32> =
+            pixels.clone().zip(&centers).filter(|(_, c)| c.flags & INCOMPLETE != 0).map(|(p, _)| p).collect();
+        let eye_distance = self.eye_distance();
+        let found = cpu::centers(&self.scene.scene, self.camera, self.options, &given_up);
+        for (pixel, mut center) in given_up.into_iter().zip(found) {
+            center.depth = (f64::from(center.depth) - eye_distance) as f32;
+            centers[(pixel - pixels.start) as usize] = center;
         }
-        Ok(Tile { sums: self.read(&colors, count as usize)?, centers: self.read(&centers, count as usize)? })
+        Ok(centers)
+    }
+
+    /// All samples of some pixels.
+    fn samples(&self, refined: &[Refined]) -> Result<Vec<Sampled>, GpuError> {
+        let samples = self.options.samples.max(1);
+        let parameters = RenderParameters { pixel_count: refined.len() as u32, samples, ..self.parameters() };
+        let Run { sums, centers } = self.run(parameters, refined)?;
+        let mean = |sum: [f32; 4]| sum.map(|component| component / samples as f32);
+        let mut sampled: Vec<Sampled> = sums
+            .into_iter()
+            .zip(&centers)
+            .map(|(sum, center)| Sampled { color: mean(sum), flags: center.flags })
+            .collect();
+        let given_up: Vec<usize> =
+            (0..sampled.len()).filter(|&index| sampled[index].flags & INCOMPLETE != 0).collect();
+        let asked: Vec<Refined> = given_up.iter().map(|&index| refined[index]).collect();
+        let found = cpu::samples(&self.scene.scene, self.camera, self.options, &asked);
+        for (index, one) in given_up.into_iter().zip(found) {
+            sampled[index] = one;
+        }
+        Ok(sampled)
+    }
+
+    fn parameters(&self) -> RenderParameters {
+        let lights = gpu_lights(&shade::Lights::from_camera(self.camera), self.options);
+        RenderParameters { camera: self.placed, lights, samples: 1, ..RenderParameters::zeroed() }
+    }
+
+    fn eye_distance(&self) -> f64 {
+        f64::from(self.placed.eye_distance)
+    }
+
+    /// Runs the kernel, again with narrow workgroups where wide ones run out of loop turns.
+    fn run(&self, parameters: RenderParameters, refined: &[Refined]) -> Result<Run, GpuError> {
+        let run = self.run_once(parameters, refined, WIDE)?;
+        if run.centers.iter().any(|center| center.flags & INCOMPLETE != 0) {
+            return self.run_once(parameters, refined, NARROW);
+        }
+        Ok(run)
+    }
+
+    fn run_once(
+        &self,
+        mut parameters: RenderParameters,
+        refined: &[Refined],
+        lanes: u32,
+    ) -> Result<Run, GpuError> {
+        let gpu = self.gpu;
+        let count = parameters.pixel_count;
+        let asked = gpu.create_input("refined pixels", bytemuck::cast_slice(refined));
+        let colors = gpu.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
+        let centers = gpu.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
+        let pipeline = gpu.pipeline(Entry::Render, self.scene, self.options.exactness, lanes)?;
+        for sample in 0..parameters.samples {
+            parameters.sample_index = sample;
+            let uniform = gpu.create_uniform("render parameters", &parameters);
+            let bind_group = gpu.bind(Entry::Render, &[&uniform, &asked, &colors, &centers]);
+            gpu.dispatch(&pipeline, self.scene, &bind_group, count, lanes)?;
+        }
+        Ok(Run { sums: gpu.read(&colors, count as usize)?, centers: gpu.read(&centers, count as usize)? })
     }
 }
 
-/// A run of pixels as the kernels leave it.
-struct Tile {
+/// What the kernel leaves.
+struct Run {
     sums: Vec<[f32; 4]>,
     centers: Vec<Center>,
-}
-
-impl Tile {
-    fn is_cut_short(&self) -> bool {
-        self.centers.iter().any(|center| center.incomplete != 0)
-    }
 }
 
 /// The camera at the plane through the scene's centre, or at the eye where that is in front of the plane; and how far that is from the

@@ -1,0 +1,168 @@
+//! Scenes baked before: `.trimray` files in a folder, named by what they were baked from and how.
+//!
+//! A name is a hash of the source's bytes, of the options and of the program, so that no name ever stands for two scenes: a file that is there is right,
+//! and one that is damaged is as good as none. The folder is kept below a size; what was not used for longest goes first. Whatever fails here
+//! costs time only: callers bake as if there were no folder.
+
+use super::{CacheError, CacheFile, Provenance, write};
+use crate::scene::Scene;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// The folder's greatest size, bytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// What a scene is baked from and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Key(blake3::Hash);
+
+impl Key {
+    /// Of a source by its hash. `how` tells all options in words; they need not be stable from one version of the program to the next.
+    pub fn new(source_hash: [u8; 32], how: &str) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&source_hash).update(how.as_bytes()).update(&program());
+        Self(hasher.finalize())
+    }
+}
+
+/// What tells one build of the program from another: version, size and time of its file. So whoever changes the bake never meets a scene of the old one.
+fn program() -> Vec<u8> {
+    let file = std::env::current_exe().and_then(fs::metadata);
+    let time = |m: &fs::Metadata| m.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok();
+    let built = file.ok().map(|m| (m.len(), time(&m)));
+    format!("{} {built:?}", env!("CARGO_PKG_VERSION")).into_bytes()
+}
+
+/// A folder of baked scenes.
+#[derive(Debug, Clone)]
+pub struct Store {
+    folder: PathBuf,
+    most_bytes: u64,
+}
+
+impl Store {
+    /// In a folder, which need not exist yet.
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder, most_bytes: MOST_BYTES }
+    }
+
+    /// In the user's folder for such things, where there is one: `~/.cache/trimray`, on macOS `~/Library/Caches/trimray`, on Windows
+    /// `%LOCALAPPDATA%\trimray`.
+    pub fn of_user() -> Option<Self> {
+        Some(Self::new(dirs::cache_dir()?.join("trimray")))
+    }
+
+    /// The scene of a key, if it is there and sound.
+    pub fn find(&self, key: &Key) -> Option<CacheFile> {
+        let path = self.path(key);
+        let file = CacheFile::open(&path).ok()?;
+        // Its age counts from now on; where that cannot be noted it goes a little earlier.
+        let _ = fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+        Some(file)
+    }
+
+    /// Keeps a scene; others go where there is no room for it. One larger than the folder may be is not kept.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written.
+    pub fn keep(&self, key: &Key, scene: &Scene<'_>, provenance: &Provenance) -> Result<(), CacheError> {
+        let path = self.path(key);
+        fs::create_dir_all(&self.folder)
+            .map_err(|source| CacheError::Io { path: self.folder.clone(), source })?;
+        write(&path, scene, provenance)?;
+        self.make_room();
+        Ok(())
+    }
+
+    fn path(&self, key: &Key) -> PathBuf {
+        self.folder.join(format!("{}.trimray", key.0.to_hex()))
+    }
+
+    /// Removes scenes, the longest unused first, until the rest is small enough.
+    fn make_room(&self) {
+        let Ok(entries) = fs::read_dir(&self.folder) else { return };
+        let mut files: Vec<(SystemTime, u64, PathBuf)> = entries
+            .filter_map(Result::ok)
+            .filter(|entry| is_ours(&entry.path()))
+            .filter_map(|entry| {
+                let metadata = entry.metadata().ok()?;
+                Some((metadata.modified().ok()?, metadata.len(), entry.path()))
+            })
+            .collect();
+        files.sort();
+        let mut bytes: u64 = files.iter().map(|(_, size, _)| size).sum();
+        for (_, size, path) in files {
+            if bytes <= self.most_bytes {
+                break;
+            }
+            if fs::remove_file(path).is_ok() {
+                bytes -= size;
+            }
+        }
+    }
+}
+
+/// Whether a file has a name that only [`Store::path`] gives.
+fn is_ours(path: &Path) -> bool {
+    let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let is_hash = name.len() == 2 * blake3::OUT_LEN && name.bytes().all(|b| b.is_ascii_hexdigit());
+    is_hash && path.extension().is_some_and(|extension| extension == "trimray")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{buffers, provenance};
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn what_is_kept_is_found_by_its_own_key_only() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::new(folder.path().join("deep/er"));
+        let buffers = buffers();
+        let keys = [Key::new([1; 32], "a"), Key::new([1; 32], "b"), Key::new([2; 32], "a")];
+        assert!(store.find(&keys[0]).is_none());
+        store.keep(&keys[0], &buffers.scene(), &provenance()).expect("written");
+        let found = store.find(&keys[0]).expect("kept");
+        assert_eq!(found.scene().faces, buffers.scene().faces);
+        assert!(keys[1..].iter().all(|key| store.find(key).is_none()));
+    }
+
+    #[test]
+    fn a_damaged_scene_is_none() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::new(folder.path().to_owned());
+        let key = Key::new([1; 32], "");
+        store.keep(&key, &buffers().scene(), &provenance()).expect("written");
+        let path = store.path(&key);
+        let bytes = fs::read(&path).expect("there");
+        fs::write(&path, &bytes[..bytes.len() / 2]).expect("cut");
+        assert!(store.find(&key).is_none());
+    }
+
+    #[test]
+    fn the_longest_unused_goes_first_and_strangers_stay() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = Store::new(folder.path().to_owned());
+        let keys: Vec<Key> = (0..3).map(|index| Key::new([index; 32], "")).collect();
+        fs::write(folder.path().join("mine.trimray"), "not a hash").expect("written");
+        for (age, key) in (1..).zip(&keys[..2]) {
+            store.keep(key, &buffers().scene(), &provenance()).expect("written");
+            let time = SystemTime::now() - Duration::from_secs(1000 - age * 100);
+            fs::File::options()
+                .append(true)
+                .open(store.path(key))
+                .and_then(|file| file.set_modified(time))
+                .expect("dated");
+        }
+        assert!(store.find(&keys[0]).is_some(), "and used");
+        let size = fs::metadata(store.path(&keys[0])).expect("there").len();
+        store.most_bytes = 2 * size;
+        store.keep(&keys[2], &buffers().scene(), &provenance()).expect("written");
+        let is_there: Vec<bool> = keys.iter().map(|key| store.path(key).exists()).collect();
+        assert_eq!(is_there, [true, false, true]);
+        assert!(folder.path().join("mine.trimray").exists());
+    }
+}

@@ -1,0 +1,260 @@
+//! Where a picture needs all its samples.
+//!
+//! A ray through the centre of each pixel shows most of a picture: within a smooth face light changes so little over a pixel that the mean of many samples
+//! is the centre's own. All samples are taken where that is not so: where light bends between neighbours, where something else begins, where
+//! surfaces step, and behind what is seen through. What a sample there shows beside a neighbour that the neighbour's centre does not show makes that one
+//! sampled too, so that a line thinner than a pixel is followed wherever it is found once.
+//!
+//! The sky that the centres see is one ray each, freed of its grain (`occlusion`), and samples take it from the centres of their own surface.
+//! Both tracers do this alike: [`paint`] is their common part.
+
+use super::camera::pixel_ray;
+use super::occlusion::{Surface, smooth};
+use super::pixels::{BESIDE_ALL, BESIDE_LEFT, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived};
+use super::shade::is_other;
+use super::vector::Vector3;
+use crate::image::Film;
+use crate::render::{Camera, RenderOptions, Sampling};
+use bytemuck::Zeroable;
+use rayon::prelude::*;
+
+/// How far the light of three pixels in a row may bend, as the eye sees it: the centre's light is then within a twenty-fourth of it of the mean.
+const MOST_BEND: f32 = 4.0 / 255.0;
+
+/// Pixels by which a surface may step towards the viewer unsampled.
+const MOST_STEP: f32 = 1.0;
+
+/// Pixels refined in one call: a dispatch of the GPU tracer holds them.
+pub const MOST_REFINED: usize = 65_472;
+
+/// How often neighbours are followed: a line that shows once in so many pixels is followed to its end.
+const MOST_ROUNDS: usize = 64;
+
+/// What the centres of all pixels show, row by row.
+pub struct Centers<'a> {
+    camera: &'a Camera,
+    options: &'a RenderOptions,
+    film: Film,
+    dark: Vec<[f32; 3]>,
+    lit: Vec<[f32; 3]>,
+    open: Vec<f32>,
+    see_through: Vec<bool>,
+}
+
+impl<'a> Centers<'a> {
+    /// Those of a picture with nothing in it.
+    pub fn new(camera: &'a Camera, options: &'a RenderOptions) -> Self {
+        let [width, height] = options.resolution.map(|n| n as usize);
+        let pixels = width * height;
+        Self {
+            camera,
+            options,
+            film: Film::new(width, height),
+            dark: vec![[0.0; 3]; pixels],
+            lit: vec![[0.0; 3]; pixels],
+            open: vec![1.0; pixels],
+            see_through: vec![false; pixels],
+        }
+    }
+
+    /// Tells what pixels from index `first` on show; depths are made `behind` millimetres greater.
+    pub fn put(&mut self, first: usize, centers: &[Center], behind: f64) {
+        for (pixel, center) in (first..).zip(centers) {
+            if center.face == 0 {
+                continue;
+            }
+            self.film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
+            self.film.normal[pixel] = center.normal;
+            self.film.part[pixel] = center.instance;
+            self.film.face[pixel] = center.face;
+            self.dark[pixel] = center.dark;
+            self.lit[pixel] = center.lit;
+            self.open[pixel] = center.open;
+            self.see_through[pixel] = center.flags & SEE_THROUGH != 0;
+        }
+    }
+
+    /// Points that the pixels show, from the eye.
+    fn positions(&self) -> Vec<[f32; 3]> {
+        let width = self.film.width;
+        let position = |pixel: usize| {
+            if self.film.face[pixel] == 0 {
+                return [0.0; 3];
+            }
+            let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+            let ray = pixel_ray(self.camera, self.options.resolution, x, y);
+            let along = f64::from(self.film.depth[pixel]) / ray.direction.dot(self.camera.forward);
+            (ray.origin - self.camera.position + ray.direction * along).as_vec3().to_array()
+        };
+        (0..self.film.face.len()).into_par_iter().map(position).collect()
+    }
+}
+
+/// From what the centres show to the picture, without a background. `refine` takes all samples of some pixels, in order of their index; it is called as often as
+/// it leads to more.
+///
+/// # Errors
+///
+/// Those of `refine`.
+pub fn paint<E>(
+    centers: Centers<'_>,
+    mut refine: impl FnMut(&[Refined]) -> Result<Vec<Sampled>, E>,
+) -> Result<Film, E> {
+    let mut centers = centers;
+    let options = centers.options;
+    let is_uniform = options.sampling == Sampling::Uniform && options.samples > 1;
+    let has_sky = options.ambient_occlusion && !is_uniform;
+    let positions = if has_sky { centers.positions() } else { Vec::new() };
+    if has_sky {
+        let surface =
+            Surface { width: centers.film.width, normal: &centers.film.normal, position: &positions };
+        centers.open = smooth(&surface, &centers.open);
+    }
+    color_centers(&mut centers);
+    let pixels = centers.film.color.len();
+    let mut is_asked = if is_uniform { vec![true; pixels] } else { marks(&centers, &positions) };
+    let mut asked: Vec<usize> = (0..pixels).filter(|&pixel| is_asked[pixel]).collect();
+    for _ in 0..MOST_ROUNDS {
+        if asked.is_empty() {
+            break;
+        }
+        let mut next = Vec::new();
+        for asked in asked.chunks(MOST_REFINED) {
+            let refined: Vec<Refined> =
+                asked.par_iter().map(|&pixel| around(&centers, pixel, is_uniform)).collect();
+            for (&pixel, sampled) in asked.iter().zip(refine(&refined)?) {
+                centers.film.color[pixel] = sampled.color;
+                for beside in suspects(&centers.film, pixel, sampled.flags) {
+                    if !is_asked[beside] {
+                        is_asked[beside] = true;
+                        next.push(beside);
+                    }
+                }
+            }
+        }
+        next.sort_unstable();
+        asked = next;
+    }
+    Ok(centers.film)
+}
+
+/// The colours as the centres have them.
+fn color_centers(centers: &mut Centers<'_>) {
+    let Centers { film, dark, lit, open, .. } = centers;
+    for (pixel, color) in film.color.iter_mut().enumerate() {
+        if film.face[pixel] != 0 {
+            let [dark, lit, open] = [dark[pixel], lit[pixel], [open[pixel]; 3]];
+            let mixed = [0, 1, 2].map(|k| dark[k] + (lit[k] - dark[k]) * open[k]);
+            *color = [mixed[0], mixed[1], mixed[2], 1.0];
+        }
+    }
+}
+
+/// The pixels to the left, to the right, above and below.
+fn neighbours(film: &Film, pixel: usize) -> [Option<usize>; 4] {
+    let (x, y) = (pixel % film.width, pixel / film.width);
+    [
+        (x > 0).then(|| pixel - 1),
+        (x + 1 < film.width).then(|| pixel + 1),
+        (y > 0).then(|| pixel - film.width),
+        (y + 1 < film.height).then(|| pixel + film.width),
+    ]
+}
+
+/// The pixels around one that its samples give reason to look into: those of whose sides the flags tell, and where all four do those at the corners too, for a
+/// line passes from pixel to pixel over corners.
+fn suspects(film: &Film, pixel: usize, flags: u32) -> impl Iterator<Item = usize> {
+    let sides = neighbours(film, pixel);
+    let [_, _, above, below] = sides.map(|side| side.filter(|_| flags & BESIDE_ALL == BESIDE_ALL));
+    let corners = [above, below].map(|row| row.map_or([None; 4], |row| neighbours(film, row)));
+    let of_sides =
+        (0..4).filter(move |side| flags & BESIDE_LEFT << side != 0).filter_map(move |side| sides[side]);
+    of_sides.chain(corners.into_iter().flat_map(|[left, right, ..]| [left, right]).flatten())
+}
+
+/// Which pixels ask for all samples by what the centres show.
+fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
+    if centers.options.samples <= 1 {
+        return centers.see_through.clone();
+    }
+    let perceived: Vec<[f32; 3]> = centers.lit.par_iter().map(|&light| perceived(light)).collect();
+    let step = pixel_steps(centers.camera, centers.film.height);
+    let is_marked = |pixel: usize| {
+        let film = &centers.film;
+        let beside = neighbours(film, pixel);
+        let shows_other = |other: usize| (film.face[other] == 0) != (film.face[pixel] == 0);
+        if beside.iter().flatten().any(|&other| shows_other(other)) {
+            return true;
+        }
+        if film.face[pixel] == 0 {
+            return false;
+        }
+        let bends = |a: Option<usize>, b: Option<usize>| {
+            let light = |other: Option<usize>| perceived[other.unwrap_or(pixel)];
+            let (a, b) = (light(a), light(b));
+            (0..3).any(|k| (a[k] + b[k] - 2.0 * perceived[pixel][k]).abs() > MOST_BEND)
+        };
+        let steps = |other: usize| {
+            !positions.is_empty() && {
+                let [n, m, p, q] =
+                    [film.normal[pixel], film.normal[other], positions[pixel], positions[other]]
+                        .map(|[x, y, z]| Vector3 { x, y, z });
+                let apart = q - p;
+                apart.dot(n).abs().min(apart.dot(m).abs()) > MOST_STEP * step.at(film.depth[pixel])
+            }
+        };
+        centers.see_through[pixel]
+            || bends(beside[0], beside[1])
+            || bends(beside[2], beside[3])
+            || beside.into_iter().flatten().any(steps)
+    };
+    (0..centers.film.face.len()).into_par_iter().map(is_marked).collect()
+}
+
+/// How wide pixels are.
+struct PixelSteps {
+    at_eye: f32,
+    by_depth: f32,
+}
+
+impl PixelSteps {
+    /// Millimetres at a depth.
+    fn at(&self, depth: f32) -> f32 {
+        self.at_eye + self.by_depth * depth
+    }
+}
+
+fn pixel_steps(camera: &Camera, height: usize) -> PixelSteps {
+    let step = (2.0 * camera.half_height / height.max(1) as f64) as f32;
+    if camera.orthographic {
+        PixelSteps { at_eye: step, by_depth: 0.0 }
+    } else {
+        PixelSteps { at_eye: 0.0, by_depth: step }
+    }
+}
+
+/// Whether fewer than two of a pixel's neighbours show what it shows.
+fn is_alone(centers: &Centers<'_>, pixel: usize) -> bool {
+    let (lit, face) = (&centers.lit, &centers.film.face);
+    let shows_same = |&other: &usize| !is_other([lit[pixel], lit[other]], [face[pixel], face[other]]);
+    neighbours(&centers.film, pixel).into_iter().flatten().filter(shows_same).count() < 2
+}
+
+/// A pixel for `refine`. Under uniform sampling samples find out all by themselves.
+fn around(centers: &Centers<'_>, pixel: usize, is_uniform: bool) -> Refined {
+    let neighbour = |other: usize| Neighbour {
+        normal: centers.film.normal[other],
+        open: if is_uniform { -1.0 } else { centers.open[other] },
+        lit: centers.lit[other],
+        instance: centers.film.part[other],
+        face: centers.film.face[other],
+        is_alone: is_alone(centers, other).into(),
+        reserved: [0; 2],
+    };
+    let [left, right, above, below] = neighbours(&centers.film, pixel).map(|other| other.unwrap_or(pixel));
+    Refined {
+        pixel: pixel as u32,
+        around: [pixel, left, right, above, below].map(neighbour),
+        ..Refined::zeroed()
+    }
+}
