@@ -1,6 +1,7 @@
-// Pictures: adds one sample to each pixel of a tile, or, where `sample_index` is `samples`, tells what the pixels' centres show.
+// Pictures: adds one sample to each pixel of a tile, or, where `sample_index` is `samples`, tells what the pixels' centres show, or, where it is
+// `samples + 1 + i`, what sample i shows first.
 //
-// One kernel for both: most of its text, which takes drivers long to compile, is the way to a hit.
+// One kernel for all: most of its text, which takes drivers long to compile, is the way to a hit.
 
 struct RenderParameters {
     camera: Camera,
@@ -20,7 +21,10 @@ struct Center {
     face: u32,
     // 1 where any of the pixel's kernels ran out of loop turns.
     incomplete: u32,
-    reserved: u32,
+    // Of the hit, with its parameters as they are.
+    net: u32,
+    uv: vec2<f32>,
+    reserved: vec2<u32>,
 }
 
 @group(1) @binding(0) var<uniform> parameters: RenderParameters;
@@ -41,12 +45,13 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let index = parameters.first_pixel + id.x;
-    let x = index % parameters.camera.width;
-    let y = index / parameters.camera.width;
+    let x = (parameters.camera.corner & 0xffffu) + index % parameters.camera.window_width;
+    let y = (parameters.camera.corner >> 16u) + index / parameters.camera.window_width;
     let pixel = pixel_key(x, y);
-    let center_only = parameters.sample_index == parameters.samples;
-    let offset = sample_offset(pixel, parameters.sample_index, parameters.samples);
-    let place = vec2<f32>(f32(x), f32(y)) + select(offset, vec2<f32>(0.5), center_only);
+    let center_only = parameters.sample_index >= parameters.samples;
+    let is_center = parameters.sample_index == parameters.samples;
+    let offset = sample_offset(pixel, parameters.sample_index % (parameters.samples + 1u), parameters.samples);
+    let place = vec2<f32>(f32(x), f32(y)) + select(offset, vec2<f32>(0.5), is_center);
     let ray = pixel_ray(parameters.camera, place.x, place.y);
     var shaded: Shaded;
     if ray.meets {
@@ -61,6 +66,8 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
         center.instance = hit.instance + 1u;
         center.face = hit.face + 1u;
+        center.net = hit.net;
+        center.uv = hit.uv;
     }
     center.incomplete |= u32(was_cut());
     centers[id.x] = center;

@@ -12,6 +12,7 @@ mod model;
 pub mod primitive;
 mod recognise;
 mod replicate;
+mod select;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
@@ -23,4 +24,5 @@ pub use model::{
 };
 pub use recognise::recognise_surfaces;
 pub use replicate::{ReplicateError, replicate};
+pub use select::{Subject, Test, select, subjects};
 pub use style::Color;

@@ -4,6 +4,7 @@
 #![cfg(feature = "gpu")]
 
 mod compare;
+mod layers;
 mod synthetic;
 mod trims;
 
@@ -66,6 +67,8 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
         background: Background::Transparent,
         ambient_occlusion,
         exactness: Exactness::Exact,
+        layers: Layers::PLAIN,
+        window: None,
     }
 }
 

@@ -9,8 +9,9 @@ use super::light::{
 use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
 use super::trace::{RawHit, first_hit, first_hit_before};
 use super::vector::{Vector3, vec3};
+use crate::render::first_hits::material;
 use crate::render::{Camera, Ray, RenderOptions};
-use crate::scene::{Material, NO_MATERIAL, Scene};
+use crate::scene::{Material, Scene};
 
 /// See-through faces that are blended along a ray; the last of so many counts as opaque.
 const MAX_LAYERS: usize = 8;
@@ -48,25 +49,36 @@ impl Lights {
     }
 }
 
-/// The colour along a model-space ray: linear light, premultiplied, with coverage.
-pub fn shade_ray(shading: &Shading<'_, '_>, ray: &Ray, pixel: u32, sample: u32) -> [f32; 4] {
+/// What is seen along a ray.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Shaded {
+    /// Linear light, premultiplied, with coverage.
+    pub color: [f32; 4],
+    /// Instance and face of the first hit.
+    pub first: Option<(u32, u32)>,
+}
+
+/// What is seen along a model-space ray.
+pub fn shade_ray(shading: &Shading<'_, '_>, ray: &Ray, pixel: u32, sample: u32) -> Shaded {
     let scene = shading.scene;
     let Some(prepared) = prepare::<f32>(ray, scene.header) else {
-        return [0.0; 4];
+        return Shaded::default();
     };
     shade_layers(shading, &prepared, pixel, sample)
 }
 
 /// Front to back through see-through faces.
-fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u32, sample: u32) -> [f32; 4] {
+fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u32, sample: u32) -> Shaded {
     let scene = shading.scene;
     let mut near = prepared.near;
     let mut color = [0.0_f32; 4];
+    let mut first = None;
     for layer in 1..=MAX_LAYERS {
         let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
             break;
         };
-        let material = hit_material(scene, &hit);
+        first.get_or_insert((hit.instance, hit.face));
+        let material = material(scene, hit.instance, hit.face);
         let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
@@ -77,20 +89,12 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
         color[3] += left;
         if color[3] > 0.995 {
             let full = 1.0 / color[3];
-            return [color[0] * full, color[1] * full, color[2] * full, 1.0];
+            return Shaded { color: [color[0] * full, color[1] * full, color[2] * full, 1.0], first };
         }
         let skip = surface_offset(scene);
         near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
     }
-    color
-}
-
-/// The look of a hit: the occurrence's, else the face's.
-pub fn hit_material(scene: &Scene<'_>, hit: &RawHit<f32>) -> Material {
-    let of_instance = scene.instances[hit.instance as usize].material;
-    let index =
-        if of_instance == NO_MATERIAL { scene.faces[hit.face as usize].material } else { of_instance };
-    scene.materials[index as usize]
+    Shaded { color, first }
 }
 
 /// How far from a surface secondary rays start.
