@@ -38,7 +38,7 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    Render(Render),
+    Render(Box<Render>),
     Bake(Bake),
     Info(Info),
     Probe(Probe),

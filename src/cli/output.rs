@@ -47,13 +47,12 @@ pub(super) fn plan(template: &str, subjects: &Subjects<'_>) -> Result<Vec<Vec<St
         return usage(format!("`{template}` has {{view}}, but no --view is given"));
     }
     let views = subjects.views.len().max(1);
+    let view_step = if has_views { 1 } else { views };
     let view_groups: Vec<Range<usize>> =
-        if has_views { (0..views).map(|view| view..view + 1).collect() } else { vec![0..views] };
-    let frame_groups: Vec<Range<u32>> = if has_frames {
-        (0..subjects.frames).map(|frame| frame..frame + 1).collect()
-    } else {
-        vec![0..subjects.frames]
-    };
+        (0..views).step_by(view_step).map(|first| first..first + view_step).collect();
+    let frame_step = if has_frames { 1 } else { subjects.frames };
+    let frame_groups: Vec<Range<u32>> =
+        (0..subjects.frames).step_by(frame_step as usize).map(|first| first..first + frame_step).collect();
     let mut taken: HashSet<Output> = HashSet::new();
     let mut plan = Vec::with_capacity(subjects.inputs.len());
     for input in subjects.inputs {

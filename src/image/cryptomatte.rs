@@ -75,7 +75,7 @@ pub(super) fn channels(matte: &[[Share; RANKS]], names: &[String]) -> Vec<(Strin
         let samples = matte.iter().map(|shares| value(&shares[rank])).collect();
         (format!("{LAYER}{:02}.{letter}", rank / 2), samples)
     };
-    let letters = |rank: usize| if rank % 2 == 0 { ["R", "G"] } else { ["B", "A"] };
+    let letters = |rank: usize| if rank.is_multiple_of(2) { ["R", "G"] } else { ["B", "A"] };
     (0..RANKS)
         .flat_map(|rank| {
             let [of_id, of_coverage] = letters(rank);

@@ -13,6 +13,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use trimray::bake::BakeOptions;
 use trimray::bench::{aimed, chord, edge_points};
+use trimray::image::Layers;
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
 use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions};

@@ -52,18 +52,23 @@ def bits(number: float) -> int:
 
 
 def check(path: str) -> None:
+    # The library forgets the file's contents where it is closed.
     with OpenEXR.File(path, separate_channels=True) as file:
-        header, channels = file.header(), {name: channel.pixels for name, channel in file.channels().items()}
-    window = header["dataWindow"]
+        channels = {name: channel.pixels for name, channel in file.channels().items()}
+        check_layers(path, file.header(), channels)
+        if "CryptoObject00.R" in channels:
+            check_cryptomatte(file.header(), channels)
+
+
+def check_layers(path: str, header: dict, channels: dict) -> None:
+    (low, high), (least, most) = header["dataWindow"], header["displayWindow"]
     height, width = next(iter(channels.values())).shape
-    assert tuple(window[1] - window[0] + 1) == (width, height), "the data window is that of the samples"
-    assert all((window[0] >= header["displayWindow"][0]) & (window[1] <= header["displayWindow"][1]))
+    assert tuple(high - low + 1) == (width, height), "the data window is that of the samples"
+    assert (low >= least).all() and (high <= most).all(), "the data are within the picture"
     for name, pixels in channels.items():
         expected = numpy.float32 if name.startswith("CryptoObject") else LAYERS[name]
         assert pixels.dtype == expected, f"{name} is {pixels.dtype}"
-    print(f"{path}: {width} by {height}, {len(channels)} channels")
-    if "CryptoObject00.R" in channels:
-        check_cryptomatte(header, channels)
+    print(f"{path}: {width} by {height} at {tuple(int(x) for x in low)}, {len(channels)} channels")
 
 
 def check_cryptomatte(header: dict, channels: dict) -> None:
