@@ -13,6 +13,8 @@ pub mod primitive;
 mod recognise;
 mod replicate;
 mod select;
+#[cfg(test)]
+mod select_tests;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};

@@ -1,7 +1,8 @@
 //! What the samples of a pixel show first, gathered: its albedo and how much of it each part covers.
 
+use super::cpu::shade::hit_material;
 use crate::image::{RANKS, Share};
-use crate::scene::{Material, NO_MATERIAL, Scene};
+use crate::scene::Scene;
 use smallvec::SmallVec;
 
 /// The sums over a pixel's samples.
@@ -15,7 +16,7 @@ pub(super) struct FirstHits {
 impl FirstHits {
     /// Counts a sample that shows the face of the instance; indices.
     pub(super) fn add(&mut self, scene: &Scene<'_>, instance: u32, face: u32) {
-        let material = material(scene, instance, face);
+        let material = hit_material(scene, instance, face);
         for (sum, channel) in self.albedo.iter_mut().zip(material.rgb) {
             *sum += channel;
         }
@@ -40,13 +41,6 @@ impl FirstHits {
         }
         shares
     }
-}
-
-/// The look of a face as an instance shows it: the occurrence's, else the face's.
-pub(super) fn material(scene: &Scene<'_>, instance: u32, face: u32) -> Material {
-    let of_instance = scene.instances[instance as usize].material;
-    let index = if of_instance == NO_MATERIAL { scene.faces[face as usize].material } else { of_instance };
-    scene.materials[index as usize]
 }
 
 #[cfg(test)]

@@ -64,6 +64,7 @@ fn a_baked_scene_is_chosen_from_as_the_model_is() {
             compared += 1;
         }
     }
+    eprintln!("{compared} hits compared");
     assert!(compared > 100, "{compared}");
     let picture = |file: &str| {
         let flags = "--only pair?2 --resolution 60,40 --samples 4 --device cpu -q";

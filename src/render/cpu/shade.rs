@@ -9,9 +9,8 @@ use super::light::{
 use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
 use super::trace::{RawHit, first_hit, first_hit_before};
 use super::vector::{Vector3, vec3};
-use crate::render::first_hits::material;
 use crate::render::{Camera, Ray, RenderOptions};
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, NO_MATERIAL, Scene};
 
 /// See-through faces that are blended along a ray; the last of so many counts as opaque.
 const MAX_LAYERS: usize = 8;
@@ -78,7 +77,7 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
             break;
         };
         first.get_or_insert((hit.instance, hit.face));
-        let material = material(scene, hit.instance, hit.face);
+        let material = hit_material(scene, hit.instance, hit.face);
         let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
@@ -95,6 +94,13 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
         near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
     }
     Shaded { color, first }
+}
+
+/// The look of a face as an instance shows it: the occurrence's, else the face's.
+pub fn hit_material(scene: &Scene<'_>, instance: u32, face: u32) -> Material {
+    let of_instance = scene.instances[instance as usize].material;
+    let index = if of_instance == NO_MATERIAL { scene.faces[face as usize].material } else { of_instance };
+    scene.materials[index as usize]
 }
 
 /// How far from a surface secondary rays start.
