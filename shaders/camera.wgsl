@@ -10,9 +10,10 @@ struct Camera {
     fraction: vec3<f32>,
     orthographic: u32,
     forward: vec3<f32>,
-    reserved_0: u32,
+    // The key of the upper left pixel that is rendered, and how many are rendered of each row.
+    corner: u32,
     forward_low: vec3<f32>,
-    reserved_1: u32,
+    window_width: u32,
     // From the picture's centre to its right and upper border, a unit before the eye (orthographic: in space).
     right: vec3<f32>,
     width: u32,

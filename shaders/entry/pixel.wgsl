@@ -111,7 +111,7 @@ fn beside(shaded: Shaded, place: vec2<f32>, index: u32) -> u32 {
     var flags = 0u;
     var shown = 0u;
     for (var side = 0u; side < 4u; side++) {
-        let has_face = refined[index].around[side + 1u].face != 0u;
+        let has_face = refined[index].around[side + 1u].instance != 0u;
         let differs = is_hit != has_face
             || is_hit && contrast(shaded.lit, refined[index].around[side + 1u].lit) > OTHER;
         shown += select(0u, 1u, !differs && refined[index].around[side + 1u].is_alone == 0u);

@@ -28,8 +28,11 @@ struct Center {
     // 1 + index; 0 where nothing is hit.
     instance: u32,
     face: u32,
+    // Of the hit, with its parameters as they are.
+    net: u32,
     reserved_0: u32,
-    reserved_1: u32,
+    uv: vec2<f32>,
+    reserved_1: vec2<u32>,
 }
 
 struct Neighbour {
@@ -71,8 +74,8 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let center_only = parameters.centers_only != 0u;
     let index = select(refined[id.x].pixel, parameters.first_pixel + id.x, center_only);
-    let x = index % parameters.camera.width;
-    let y = index / parameters.camera.width;
+    let x = (parameters.camera.corner & 0xffffu) + index % parameters.camera.window_width;
+    let y = (parameters.camera.corner >> 16u) + index / parameters.camera.window_width;
     let pixel = pixel_key(x, y);
     let offset = select(
         sample_offset(pixel, parameters.sample_index, parameters.samples),
@@ -86,18 +89,21 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         shaded = shade_layers(parameters.lights, ray, pixel, center_only, id.x);
     }
     var center = centers[id.x];
+    let hit = shaded.first.hit;
+    let is_hit = shaded.first.count != 0u;
+    center.instance = select(0u, hit.instance + 1u, is_hit);
+    center.face = select(0u, hit.face + 1u, is_hit);
     if center_only {
         center.open = shaded.open;
-        if shaded.first.count != 0u {
-            let hit = shaded.first.hit;
+        if is_hit {
             let t = ray.slide + (hit.distance.anchor + hit.distance.offset);
             center.normal = shaded.normal;
             center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
             center.dark = shaded.dark;
             center.lit = shaded.lit;
             center.flags |= select(0u, SEE_THROUGH, shaded.is_see_through);
-            center.instance = hit.instance + 1u;
-            center.face = hit.face + 1u;
+            center.net = hit.net;
+            center.uv = hit.uv;
         }
     } else {
         colors[id.x] += shaded.color;

@@ -12,6 +12,9 @@ mod model;
 pub mod primitive;
 mod recognise;
 mod replicate;
+mod select;
+#[cfg(test)]
+mod select_tests;
 mod style;
 
 pub use assembly::{Occurrence, occurrences};
@@ -23,4 +26,5 @@ pub use model::{
 };
 pub use recognise::recognise_surfaces;
 pub use replicate::{ReplicateError, replicate};
+pub use select::{Subject, Test, select, subjects};
 pub use style::Color;

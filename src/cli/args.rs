@@ -1,6 +1,10 @@
 //! The command line as clap sees it. Flags follow f3d where it has one.
 
 use super::args_bench::Bench;
+use super::args_camera::CameraArguments;
+use super::args_files::{Diff, Merge};
+use super::args_output::OutputArguments;
+use super::args_select::SelectionArguments;
 use crate::render::{Exactness, Sampling};
 use crate::scene::TrimMethod;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -22,7 +26,8 @@ Examples:
   trimray info part.step
   echo '0 0 100 0 0 -1' | trimray probe part.step --rays -
 
-Exit codes: 0 done, 1 cannot read or write, 2 wrong usage, 3 --strict and something was dropped, 4 nothing to render."
+Exit codes: 0 done, 1 cannot read or write, 2 wrong usage, 3 --strict and something was dropped,
+4 nothing to render, 5 pictures differ. Where several inputs were rendered: that of the worst."
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -33,10 +38,12 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    Render(Render),
+    Render(Box<Render>),
     Bake(Bake),
     Info(Info),
     Probe(Probe),
+    Diff(Diff),
+    Merge(Merge),
     Bench(Bench),
 }
 
@@ -66,23 +73,31 @@ pub(super) struct Import {
 /// Renders still pictures of models.
 ///
 /// Without options the whole model is in the picture, seen from above at an angle, +Z up, in the file's own colours.
-/// The extension of the output picks the format: .png is 8-bit sRGB, .exr is linear light with depth, normal, part id and face id.
+/// The extension of the output picks the format: .png is sRGB, .exr is linear light with depth, normals, ids and more as --layers says.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   trimray render part.step -o part.png
   trimray render part.step -o top.png --camera-direction -Z --up +Y --camera-orthographic
   trimray render part.step -o - --no-background --resolution 400x400 | display
+  trimray render part.step -o sheet.png --view review
+  trimray render part.step -o '{view}.png' --view front,top,right --camera-orthographic
+  trimray render part.step -o turn.png --frames 36
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
     /// STEP or IGES files, or baked .trimray files.
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
-    /// The picture to write: .png, .exr, or '-' for a PNG on stdout; {model} stands for the input's name without its extension.
+    /// The picture to write: .png, .exr, or '-' for a PNG on stdout.
+    ///
+    /// {model} stands for the input's name without its extension, {view} for the name of a --view, {frame} for the number of one of --frames,
+    /// from 0; {frame:04} has four digits.
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(super) output: String,
     #[command(flatten)]
     pub(super) import: Import,
+    #[command(flatten)]
+    pub(super) selection: SelectionArguments,
     /// Pixels across and down.
     #[arg(long, value_name = "W,H", default_value = "1000,600", value_parser = parse_resolution)]
     pub(super) resolution: [u32; 2],
@@ -96,7 +111,9 @@ pub(super) struct Render {
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
     #[command(flatten)]
-    pub(super) view: View,
+    pub(super) camera: CameraArguments,
+    #[command(flatten)]
+    pub(super) writing: OutputArguments,
     /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb.
     #[arg(long, value_name = "COLOR", default_value = "1,1,1", value_parser = parse_color, allow_hyphen_values = true)]
     pub(super) background_color: [f32; 3],
@@ -112,31 +129,6 @@ pub(super) struct Render {
     /// Show what something costs instead of what is seen; on the CPU.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) aov: Option<AovChoice>,
-}
-
-/// Where the picture is taken from.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Camera")]
-pub(super) struct View {
-    /// What is up in the picture: ±X, ±Y, ±Z, or x,y,z.
-    #[arg(long, value_name = "DIRECTION", default_value = "+Z", value_parser = parse_direction, allow_hyphen_values = true)]
-    pub(super) up: DVec3,
-    /// Where the camera looks: ±X, ±Y, ±Z, or x,y,z [default: -1,1,-0.5 with +Z up].
-    #[arg(long, value_name = "DIRECTION", value_parser = parse_direction, allow_hyphen_values = true)]
-    pub(super) camera_direction: Option<DVec3>,
-    /// Where the camera stands [default: where the whole model is in the picture].
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
-          conflicts_with = "camera_direction")]
-    pub(super) camera_position: Option<DVec3>,
-    /// What stands in the middle of the picture [default: the middle of the model].
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
-    pub(super) camera_focal_point: Option<DVec3>,
-    /// Angle between the picture's lower and upper edge, degrees.
-    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = parse_view_angle)]
-    pub(super) camera_view_angle: f64,
-    /// Parallel projection.
-    #[arg(long)]
-    pub(super) camera_orthographic: bool,
 }
 
 /// Imports and preprocesses a model once: a .trimray file opens at once, and every command takes it as INPUT.
@@ -157,6 +149,8 @@ pub(super) struct Bake {
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) import: Import,
+    #[command(flatten)]
+    pub(super) selection: SelectionArguments,
     /// Keep the geometry in f64 too, for `probe --precision f64`.
     #[arg(long)]
     pub(super) keep_f64: bool,
@@ -201,6 +195,8 @@ pub(super) struct Probe {
     pub(super) input: PathBuf,
     #[command(flatten)]
     pub(super) import: Import,
+    #[command(flatten)]
+    pub(super) selection: SelectionArguments,
     /// The rays, one a line; '-' for stdin.
     #[arg(long, value_name = "FILE")]
     pub(super) rays: PathBuf,
@@ -286,7 +282,7 @@ pub(super) enum PrecisionChoice {
 }
 
 /// More pixels than this would not fit the memory of common machines.
-const MAX_PIXELS: u64 = 1 << 27;
+pub(super) const MAX_PIXELS: u64 = 1 << 27;
 
 pub(super) fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
     let (width, height) =
@@ -312,7 +308,7 @@ pub(super) fn parse_counts(text: &str) -> Result<[u32; 3], String> {
     }
 }
 
-fn parse_point(text: &str) -> Result<DVec3, String> {
+pub(super) fn parse_point(text: &str) -> Result<DVec3, String> {
     let mut numbers = text.split(',').map(|n| n.trim().parse::<f64>());
     match (numbers.next(), numbers.next(), numbers.next(), numbers.next()) {
         (Some(Ok(x)), Some(Ok(y)), Some(Ok(z)), None) if [x, y, z].iter().all(|c| c.abs() < 1e15) => {
@@ -323,7 +319,7 @@ fn parse_point(text: &str) -> Result<DVec3, String> {
 }
 
 /// A unit vector.
-fn parse_direction(text: &str) -> Result<DVec3, String> {
+pub(super) fn parse_direction(text: &str) -> Result<DVec3, String> {
     let (sign, axis) = match text.as_bytes() {
         [b'+', axis] | [axis] => (1.0, axis),
         [b'-', axis] => (-1.0, axis),
@@ -353,7 +349,7 @@ fn parse_color(text: &str) -> Result<[f32; 3], String> {
     }
 }
 
-fn parse_view_angle(text: &str) -> Result<f64, String> {
+pub(super) fn parse_view_angle(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(degrees) if (0.01..=170.0).contains(&degrees) => Ok(degrees),
         _ => Err("expected degrees from 0.01 to 170".into()),
@@ -413,6 +409,6 @@ mod tests {
             ["trimray", "render", "a.step", "-o", "a.png", "--camera-direction", "-1,1,-0.5", "--up", "-Z"];
         let arguments = Arguments::try_parse_from(line).expect("parsed");
         let Command::Render(render) = arguments.command else { panic!("a render command") };
-        assert_eq!(render.view.up, -DVec3::Z);
+        assert_eq!(render.camera.up, -DVec3::Z);
     }
 }

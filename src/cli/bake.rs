@@ -24,6 +24,7 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
     let purpose = Purpose {
         keep_f64: command.keep_f64,
         strict: command.import.strict,
+        selection: command.selection.clone(),
         trim_method: command.trim_method,
         copies: command.replicate,
     };

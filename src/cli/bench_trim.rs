@@ -2,6 +2,7 @@
 
 use super::args::General;
 use super::args_bench_trim::BenchTrim;
+use super::args_select::SelectionArguments;
 use super::bench_trim_table::{
     Row, csv_header, csv_row, write_device, write_means, write_statistics, write_table,
 };
@@ -78,7 +79,7 @@ pub(super) struct Study {
 impl Study {
     fn open(path: &Path, command: &BenchTrim, general: &General) -> anyhow::Result<Self> {
         let bake_options = BakeOptions::default();
-        let model = import_copies(path, command.replicate, &bake_options)?;
+        let model = import_copies(path, &SelectionArguments::default(), command.replicate, &bake_options)?;
         let progress = Progress::new(format!("Baking {}", path.display()), general);
         let tell = |done, total| progress.tell(done, total);
         let (scene, regions) = bake_with_regions(&model, &bake_options, &tell);

@@ -19,6 +19,8 @@ pub(super) struct Device<'a> {
     /// Why it is not the GPU, where it might have been.
     reason: Option<String>,
     announced: bool,
+    /// What computed last, for people.
+    name: String,
 }
 
 impl<'a> Device<'a> {
@@ -35,6 +37,7 @@ impl<'a> Device<'a> {
             gpu: None,
             reason: None,
             announced: false,
+            name: String::new(),
         };
         device.open_gpu()?;
         Ok(device)
@@ -61,25 +64,26 @@ impl<'a> Device<'a> {
         Ok(())
     }
 
-    /// Renders a picture.
-    pub(super) fn render(
-        &mut self,
-        scene: &Scene<'_>,
-        camera: &Camera,
-        options: &RenderOptions,
-        progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> anyhow::Result<Film> {
+    /// Prepares to render pictures of a scene.
+    pub(super) fn renderer<'d, 's>(&'d mut self, scene: Scene<'s>) -> anyhow::Result<Renderer<'d, 'a, 's>> {
         #[cfg(feature = "gpu")]
-        self.announce_gpu();
-        #[cfg(feature = "gpu")]
-        if let Some(gpu) = &self.gpu {
-            match gpu.upload(scene).and_then(|uploaded| gpu.render(&uploaded, camera, options, progress)) {
-                Ok(film) => return Ok(film),
-                Err(error) => self.fall_back(error)?,
+        let uploaded = match self.gpu.as_ref().map(|gpu| gpu.upload(&scene)) {
+            Some(Err(error)) => {
+                self.fall_back(error)?;
+                None
             }
-        }
-        self.announce_cpu();
-        Ok(cpu::render(scene, camera, options, progress))
+            Some(Ok(uploaded)) => {
+                self.announce_gpu();
+                Some(uploaded)
+            }
+            None => None,
+        };
+        Ok(Renderer {
+            device: self,
+            scene,
+            #[cfg(feature = "gpu")]
+            uploaded,
+        })
     }
 
     /// Prepares to answer rays. Only the CPU knows f64.
@@ -142,12 +146,57 @@ impl<'a> Device<'a> {
         self.announce(&format!("the CPU, {threads} threads{reason}"));
     }
 
+    /// What computed last, for people; empty before anything was computed.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
     fn announce(&mut self, name: &str) {
         if !self.announced && !self.general.quiet {
             // Nobody is left to tell if stderr is closed.
             let _ = writeln!(std::io::stderr(), "computing on {name}");
         }
         self.announced = true;
+        name.clone_into(&mut self.name);
+    }
+}
+
+/// A device that renders pictures of one scene.
+pub(super) struct Renderer<'d, 'a, 's> {
+    device: &'d mut Device<'a>,
+    scene: Scene<'s>,
+    #[cfg(feature = "gpu")]
+    uploaded: Option<GpuScene<'s>>,
+}
+
+impl Renderer<'_, '_, '_> {
+    /// Renders a picture.
+    pub(super) fn render(
+        &mut self,
+        camera: &Camera,
+        options: &RenderOptions,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> anyhow::Result<Film> {
+        #[cfg(feature = "gpu")]
+        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
+            match gpu.render(uploaded, camera, options, progress) {
+                Ok(film) => return Ok(film),
+                Err(error) => self.device.fall_back(error)?,
+            }
+        }
+        self.device.announce_cpu();
+        Ok(cpu::render(&self.scene, camera, options, progress))
+    }
+
+    /// Renders what trims cost, on the CPU.
+    pub(super) fn render_trim_tests(
+        &mut self,
+        camera: &Camera,
+        options: &RenderOptions,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Film {
+        self.device.announce_cpu();
+        cpu::render_trim_tests(&self.scene, camera, options, progress)
     }
 }
 

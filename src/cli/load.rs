@@ -2,9 +2,11 @@
 
 use super::Failure;
 use super::args::General;
+use super::args_select::SelectionArguments;
 use super::progress::Progress;
 use super::report;
-use crate::bake::{BakeOptions, bake, extent};
+use super::selection::{select_of_model, select_of_scene};
+use crate::bake::{BakeOptions, KeptScene, bake, extent};
 use crate::brep::{Model, replicate};
 use crate::cache::CacheFile;
 use crate::import::import;
@@ -18,6 +20,8 @@ use std::time::Instant;
 pub(super) enum Loaded {
     Baked(Box<SceneBuffers>),
     Mapped(Box<CacheFile>),
+    /// Part of a mapped one.
+    Selected(Box<CacheFile>, Box<KeptScene>),
 }
 
 impl Loaded {
@@ -25,13 +29,16 @@ impl Loaded {
         match self {
             Self::Baked(buffers) => buffers.scene(),
             Self::Mapped(file) => file.scene(),
+            Self::Selected(file, kept) => kept.of(&file.scene()),
         }
     }
 }
 
 /// What the caller does with the scene.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 pub(super) struct Purpose {
+    /// What of the model is taken.
+    pub(super) selection: SelectionArguments,
     /// Whether f64 geometry is needed.
     pub(super) keep_f64: bool,
     /// Whether a dropped face ends the command.
@@ -53,9 +60,12 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
         let start = Instant::now();
         let file = CacheFile::open(path)?;
         log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
-        Loaded::Mapped(Box::new(file))
+        match select_of_scene(&file.scene(), &purpose.selection, path)? {
+            Some(kept) => Loaded::Selected(Box::new(file), kept),
+            None => Loaded::Mapped(Box::new(file)),
+        }
     } else {
-        Loaded::Baked(Box::new(import_and_bake(path, purpose, general)?))
+        Loaded::Baked(Box::new(import_and_bake(path, &purpose, general)?))
     };
     let scene = loaded.scene();
     if !general.quiet {
@@ -71,14 +81,14 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     Ok(loaded)
 }
 
-fn import_and_bake(path: &Path, purpose: Purpose, general: &General) -> anyhow::Result<SceneBuffers> {
+fn import_and_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow::Result<SceneBuffers> {
     let start = Instant::now();
     let options = BakeOptions {
         keep_f64: purpose.keep_f64,
         trim_method: purpose.trim_method,
         ..BakeOptions::default()
     };
-    let model = import_copies(path, purpose.copies, &options)?;
+    let model = import_copies(path, &purpose.selection, purpose.copies, &options)?;
     let imported = Instant::now();
     let progress = Progress::new(format!("Baking {}", file_name(path)), general);
     let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
@@ -94,13 +104,15 @@ fn import_and_bake(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     Ok(buffers)
 }
 
-/// Imports a model, once or as copies side by side.
+/// Imports a model, or what of it is wanted, once or as copies side by side.
 pub(super) fn import_copies(
     path: &Path,
+    selection: &SelectionArguments,
     copies: Option<[u32; 3]>,
     options: &BakeOptions,
 ) -> anyhow::Result<Model> {
-    let model = import(path)?;
+    let mut model = import(path)?;
+    select_of_model(&mut model, selection, path)?;
     let Some(copies) = copies else { return Ok(model) };
     let bounds = extent(&model, options);
     let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
@@ -118,7 +130,7 @@ pub(super) fn nothing(path: &Path, scene: &Scene<'_>, verb: &'static str) -> Fai
         declared if scene.metadata.missing_faces(Severity::Dropped) > 0 => {
             format!("all {declared} faces were dropped")
         }
-        declared => format!("all {declared} faces are hidden in the file"),
+        declared => format!("all {declared} faces are hidden"),
     };
     Failure::Nothing { path: path.display().to_string(), verb, reason }
 }

@@ -1,11 +1,15 @@
 //! Arguments to calls, results to text.
 //!
 //! stdout carries only what was asked for; progress, warnings and notices go to stderr. Exit codes: 0 done, 1 cannot read or write,
-//! 2 usage, 3 partial import under `--strict`, 4 nothing to render.
+//! 2 usage, 3 partial import under `--strict`, 4 nothing to render, 5 pictures differ.
 
 mod args;
 mod args_bench;
 mod args_bench_trim;
+mod args_camera;
+mod args_files;
+mod args_output;
+mod args_select;
 mod bake;
 mod bench;
 mod bench_accuracy;
@@ -17,15 +21,22 @@ mod bench_trim_json;
 mod bench_trim_table;
 mod bench_work;
 mod device;
+mod diff;
+mod id_map;
 mod info;
 mod load;
 mod output;
+mod pattern;
 mod probe;
 mod progress;
 mod render;
+mod render_report;
 mod report;
+mod selection;
+mod sheet;
 mod tree;
 mod view;
+mod window;
 
 use args::{Arguments, Command};
 use clap::Parser;
@@ -43,6 +54,12 @@ enum Failure {
         "{path}: shape was dropped ({dropped} of {declared} faces, {findings} findings), and --strict was given; nothing was written"
     )]
     Partial { path: String, dropped: u64, declared: u64, findings: usize },
+    /// Of several inputs, some could not be rendered; each was told when it happened.
+    #[error("{failed} of {inputs} inputs failed")]
+    Batch { failed: usize, inputs: usize, exit_code: u8 },
+    /// Pictures that should be the same are not.
+    #[error("{a} and {b} differ: {reason}")]
+    Differ { a: String, b: String, reason: String },
     /// No face to show.
     #[error("{path}: nothing to {verb}: {reason}")]
     Nothing { path: String, verb: &'static str, reason: String },
@@ -53,7 +70,9 @@ impl Failure {
         match self {
             Self::Usage(_) => 2,
             Self::Partial { .. } => 3,
+            Self::Batch { exit_code, .. } => *exit_code,
             Self::Nothing { .. } => 4,
+            Self::Differ { .. } => 5,
         }
     }
 }
@@ -68,6 +87,8 @@ pub fn main() -> ExitCode {
         Command::Info(command) => info::run(command, &arguments.general),
         Command::Probe(command) => probe::run(command, &arguments.general),
         Command::Bench(command) => bench::run(command, &arguments.general),
+        Command::Diff(command) => diff::run_diff(command),
+        Command::Merge(command) => diff::run_merge(command),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -75,9 +96,13 @@ pub fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             let _ = writeln!(std::io::stderr(), "trimray: {error:#}");
-            ExitCode::from(error.downcast_ref::<Failure>().map_or(1, Failure::exit_code))
+            ExitCode::from(exit_code(&error))
         }
     }
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    error.downcast_ref::<Failure>().map_or(1, Failure::exit_code)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

@@ -31,7 +31,12 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
         (Some(precision), _) => precision == PrecisionChoice::F64,
         (None, device) => device != DeviceChoice::Gpu,
     };
-    let purpose = Purpose { keep_f64: wants_f64, strict: command.import.strict, ..Purpose::default() };
+    let purpose = Purpose {
+        keep_f64: wants_f64,
+        strict: command.import.strict,
+        selection: command.selection.clone(),
+        ..Purpose::default()
+    };
     let loaded = load(&command.input, purpose, general)?;
     let scene = loaded.scene();
     // A file of wires has no face to hit, and saying so by misses is true; a file of which no face could be read is not answered.

@@ -1,49 +1,174 @@
 //! `trimray render`: pictures of models.
+//!
+//! Each input is read and sent to the device once, for all its views and frames.
 
 use super::Failure;
 use super::args::{AovChoice, DeviceChoice, General, Render};
-use super::device::Device;
+use super::args_output::{BitDepthChoice, layers};
+use super::args_select::SelectionArguments;
+use super::device::{Device, Renderer};
+use super::id_map::IdMap;
 use super::load::{Purpose, load, nothing};
-use super::output::{Output, outputs};
+use super::output::{Output, Still, Subjects, plan, with_model};
 use super::progress::Progress;
+use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
+use super::selection::select_of_scene;
+use super::sheet::{grid, sheet};
 use super::view;
-use crate::render::cpu::render_trim_tests;
-use crate::render::{Background, RenderOptions};
+use super::window::window;
+use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
+use crate::render::{Background, Camera, RenderOptions};
+use std::collections::HashSet;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
-    let outputs = outputs(&command.output, &command.inputs)?;
-    let choice = match (command.aov, command.device) {
-        (Some(_), DeviceChoice::Gpu) => {
-            let reason = "--aov trim-tests is counted on the CPU: leave out --device gpu".to_owned();
-            return Err(Failure::Usage(reason).into());
-        }
-        (Some(_), _) => DeviceChoice::Cpu,
-        (None, choice) => choice,
-    };
+    let views = view::names(&command.camera);
+    let subjects = Subjects { inputs: &command.inputs, views: &views, frames: command.camera.frames };
+    let plan = plan(&command.output, &subjects)?;
+    check(command, &plan)?;
+    let window = window(&command.writing, command.resolution)?;
+    let maps = id_maps(command)?;
+    let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
-    for (input, output) in command.inputs.iter().zip(&outputs) {
-        render_one(input, output, command, general, &mut device)?;
+    let mut report = RunReport::default();
+    let is_batch = command.inputs.len() > 1;
+    for (index, (input, stills)) in command.inputs.iter().zip(&plan).enumerate() {
+        let mut own = InputReport::default();
+        let task =
+            Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
+        let result = render_input(&task, command, general, &mut device, &mut own);
+        let result = report.add(own, input, result);
+        match result {
+            Err(error) if is_batch && !super::is_broken_pipe(&error) => {
+                // Nobody is left to tell if stderr is closed.
+                let _ = writeln!(std::io::stderr(), "trimray: {error:#}");
+            }
+            Err(error) => {
+                if command.writing.json {
+                    report.write()?;
+                }
+                return Err(error);
+            }
+            Ok(()) => {}
+        }
+    }
+    if command.writing.json {
+        report.write()?;
+    }
+    Ok(report.outcome()?)
+}
+
+/// Refuses flags that make no sense together.
+fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
+    let usage = |reason: &str| Err(Failure::Usage(reason.to_owned()));
+    if command.aov.is_some() && command.device == DeviceChoice::Gpu {
+        return usage("--aov trim-tests is counted on the CPU: leave out --device gpu");
+    }
+    let mut stills = plan.iter().flatten();
+    let has_window = command.writing.cropwindow.is_some() || command.writing.tile.is_some();
+    if has_window && stills.clone().any(|still| still.views.len() > 1 || still.frames.len() > 1) {
+        return usage(
+            "--cropwindow and --tile need a file for each view and frame: put {view} and {frame} in its name",
+        );
+    }
+    if command.writing.json && stills.clone().any(|still| still.output == Output::Stdout) {
+        return usage("--json and the picture cannot both go to stdout: name a file with -o");
+    }
+    let is_exr = |still: &Still| matches!(still.output, Output::Exr(_));
+    if layers(&command.writing.layers) != Layers::ALL && !stills.clone().any(is_exr) {
+        return usage("--layers are those of EXR files, and no output is one");
+    }
+    if command.writing.bit_depth == BitDepthChoice::Sixteen && stills.clone().all(is_exr) {
+        return usage("--bit-depth is that of PNG files, and no output is one");
+    }
+    let [width, height] = command.resolution.map(u64::from);
+    let cells = |still: &Still| {
+        let [columns, rows] = grid(still.views.len());
+        columns as u64 * rows as u64
+    };
+    if stills.any(|still| width * height * cells(still) > super::args::MAX_PIXELS) {
+        return usage(
+            "the sheet of all views would be too large: lower the --resolution, which is that of each",
+        );
     }
     Ok(())
 }
 
-fn render_one(
-    input: &Path,
-    output: &Output,
+/// One input and what is to be made of it.
+struct Task<'t> {
+    input: &'t Path,
+    stills: &'t [Still],
+    views: &'t [&'t str],
+    window: Option<Window>,
+    id_map: Option<&'t Path>,
+}
+
+/// The files of `--id-map`, one for each input; none without it.
+fn id_maps(command: &Render) -> Result<Vec<PathBuf>, Failure> {
+    let Some(template) = &command.writing.id_map else { return Ok(Vec::new()) };
+    let names = command.inputs.iter().map(|input| PathBuf::from(with_model(template, input)));
+    let names: Vec<PathBuf> = names.collect();
+    if names.iter().collect::<HashSet<_>>().len() < names.len() {
+        let reason = format!("--id-map {template} names one file for several inputs: put {{model}} in it");
+        return Err(Failure::Usage(reason));
+    }
+    Ok(names)
+}
+
+fn render_input(
+    task: &Task<'_>,
     command: &Render,
     general: &General,
     device: &mut Device<'_>,
+    report: &mut InputReport,
 ) -> anyhow::Result<()> {
-    let loaded = load(input, Purpose { strict: command.import.strict, ..Purpose::default() }, general)?;
+    let input = task.input;
+    let start = Instant::now();
+    let loaded = load(
+        input,
+        Purpose { strict: command.import.strict, selection: command.selection.clone(), ..Purpose::default() },
+        general,
+    );
+    report.seconds.load = start.elapsed().as_secs_f64();
+    let loaded = loaded?;
     let scene = loaded.scene();
+    report.faces = FaceReport::of(&scene);
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
-    let camera = view::camera(&command.view, &scene, command.resolution);
-    let options = RenderOptions {
+    let paths = scene.metadata.instances.iter().map(|info| info.path.as_str());
+    let part_names = unique_names(paths);
+    if let Some(path) = task.id_map {
+        write_file(path, &IdMap::of(&scene, &part_names).encode()?)?;
+    }
+    let start = Instant::now();
+    let focus = SelectionArguments { only: command.camera.focus.clone(), hide: Vec::new() };
+    let focused = select_of_scene(&scene, &focus, input)?;
+    let framed = focused.as_ref().map_or(scene, |kept| kept.of(&scene));
+    let cameras = view::cameras(&command.camera, &framed, command.resolution);
+    let pictures = cameras.iter().map(Vec::len).sum();
+    let mut job = Job {
+        command,
+        options: RenderOptions { window: task.window, ..options(command) },
+        part_names,
+        renderer: device.renderer(scene)?,
+        cameras,
+        progress: Progress::new(format!("Rendering {}", input.display()), general),
+        done: 0,
+        pictures,
+    };
+    report.seconds.render += start.elapsed().as_secs_f64();
+    let result = task.stills.iter().try_for_each(|still| job.write(still, task.views, general, report));
+    log::info!("rendered in {:.2} s", report.seconds.render);
+    drop(job);
+    device.name().clone_into(&mut report.device);
+    result
+}
+
+fn options(command: &Render) -> RenderOptions {
+    RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
         sampling: command.sampling.into(),
@@ -54,19 +179,93 @@ fn render_one(
         },
         ambient_occlusion: !command.no_ambient_occlusion,
         exactness: command.exactness.into(),
-    };
-    let start = Instant::now();
-    let progress = Progress::new(format!("Rendering {}", input.display()), general);
-    let tell = |done, total| progress.tell(done, total);
-    let film = match command.aov {
-        Some(AovChoice::TrimTests) => render_trim_tests(&scene, &camera, &options, &tell),
-        None => device.render(&scene, &camera, &options, &tell)?,
-    };
-    drop(progress);
-    log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
-    output.write(&film)?;
-    if let (false, Some(path)) = (general.quiet, output.path()) {
-        writeln!(std::io::stderr(), "{}: {} by {} pixels", path.display(), film.width, film.height)?;
+        layers: Layers::NONE,
+        window: None,
     }
-    Ok(())
+}
+
+/// One input's pictures.
+struct Job<'j, 'a, 's> {
+    command: &'j Render,
+    options: RenderOptions,
+    /// By instance, for Cryptomatte.
+    part_names: Vec<String>,
+    renderer: Renderer<'j, 'a, 's>,
+    /// By view and frame.
+    cameras: Vec<Vec<Camera>>,
+    progress: Progress,
+    /// Pictures that are done, of all.
+    done: usize,
+    pictures: usize,
+}
+
+impl Job<'_, '_, '_> {
+    /// Renders and writes one file.
+    fn write(
+        &mut self,
+        still: &Still,
+        views: &[&str],
+        general: &General,
+        report: &mut InputReport,
+    ) -> anyhow::Result<()> {
+        let writing = &self.command.writing;
+        let depth = writing.bit_depth.into();
+        self.options.layers = match still.output {
+            Output::Exr(_) => layers(&writing.layers),
+            Output::Png(_) | Output::Stdout => Layers::NONE,
+        };
+        let is_animated = still.frames.len() > 1;
+        let has_alpha = self.options.background == Background::Transparent;
+        let mut animation =
+            Animation::new(still.frames.len() as u32, self.command.camera.frame_rate, depth, has_alpha);
+        let mut size = [0; 2];
+        for frame in still.frames.clone() {
+            let start = Instant::now();
+            let film = self.sheet(still, frame)?;
+            let rendered = Instant::now();
+            size = [film.width, film.height];
+            if is_animated {
+                animation.push(&film)?;
+            } else {
+                still.output.write(&film, depth, &self.part_names)?;
+            }
+            report.seconds.render += (rendered - start).as_secs_f64();
+            report.seconds.write += rendered.elapsed().as_secs_f64();
+        }
+        if is_animated {
+            still.output.write_animation(animation)?;
+        }
+        let Some(path) = still.output.path() else { return Ok(()) };
+        let [width, height] = size;
+        if !general.quiet {
+            let frames = if is_animated { format!(", {} frames", still.frames.len()) } else { String::new() };
+            writeln!(std::io::stderr(), "{}: {width} by {height} pixels{frames}", path.display())?;
+        }
+        let shown = views.get(still.views.clone()).unwrap_or_default();
+        report.files.push(FileReport {
+            path: path.display().to_string(),
+            width,
+            height,
+            views: shown.iter().map(|&name| name.to_owned()).collect(),
+            frames: [still.frames.start, still.frames.end],
+        });
+        Ok(())
+    }
+
+    /// One frame of a file's views.
+    fn sheet(&mut self, still: &Still, frame: u32) -> anyhow::Result<Film> {
+        let mut films = Vec::with_capacity(still.views.len());
+        for view in still.views.clone() {
+            let camera = self.cameras[view][frame as usize];
+            let (done, pictures) = (self.done, self.pictures);
+            let progress = &self.progress;
+            let tell = |part, of| progress.tell(done * of + part, pictures * of);
+            films.push(match self.command.aov {
+                Some(AovChoice::TrimTests) => self.renderer.render_trim_tests(&camera, &self.options, &tell),
+                None => self.renderer.render(&camera, &self.options, &tell)?,
+            });
+            self.done += 1;
+        }
+        Ok(sheet(films, self.options.background))
+    }
 }

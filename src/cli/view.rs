@@ -1,18 +1,54 @@
-//! From the camera flags to a camera.
+//! From the camera flags to cameras: one for each view and frame.
 
-use super::args::View;
-use crate::render::{Camera, Viewpoint};
+use super::args_camera::{CameraArguments, REVIEW_NAME};
+use crate::render::{Camera, NamedView, REVIEW, Viewpoint};
 use crate::scene::Scene;
 
-/// The camera for pictures of the resolution.
-pub(super) fn camera(view: &View, scene: &Scene<'_>, [width, height]: [u32; 2]) -> Camera {
-    let viewpoint = Viewpoint {
-        up: view.up,
-        direction: view.camera_direction,
-        position: view.camera_position,
-        focal_point: view.camera_focal_point,
-        view_angle: view.camera_view_angle.to_radians(),
-        orthographic: view.camera_orthographic,
+/// Half the height of film of 36 by 24 mm.
+const HALF_FILM: f64 = 12.0;
+
+/// The names of the views, in order; none where the flags describe the only one.
+pub(super) fn names(arguments: &CameraArguments) -> Vec<&str> {
+    let expand = |name| match name {
+        REVIEW_NAME => REVIEW.to_vec(),
+        name => vec![name],
     };
-    Camera::framing(&viewpoint, scene, f64::from(width) / f64::from(height))
+    arguments.view.iter().map(String::as_str).flat_map(expand).collect()
+}
+
+/// Each view's cameras, one a frame, for pictures of the resolution that show the scene.
+pub(super) fn cameras(
+    arguments: &CameraArguments,
+    scene: &Scene<'_>,
+    [width, height]: [u32; 2],
+) -> Vec<Vec<Camera>> {
+    let aspect = f64::from(width) / f64::from(height);
+    let viewpoints = viewpoints(arguments);
+    let cameras = viewpoints.iter().map(|viewpoint| match arguments.frames {
+        1 => vec![Camera::framing(viewpoint, scene, aspect)],
+        frames => Camera::turntable(viewpoint, scene, aspect, frames),
+    });
+    cameras.collect()
+}
+
+fn viewpoints(arguments: &CameraArguments) -> Vec<Viewpoint> {
+    let view_angle = match arguments.camera_focal_length {
+        Some(millimetres) => 2.0 * (HALF_FILM / millimetres).atan(),
+        None => arguments.camera_view_angle.to_radians(),
+    };
+    let described = Viewpoint {
+        up: arguments.up,
+        top: None,
+        direction: arguments.camera_direction,
+        position: arguments.camera_position,
+        focal_point: arguments.camera_focal_point,
+        view_angle,
+        orthographic: arguments.camera_orthographic,
+        azimuth: arguments.camera_azimuth_angle.to_radians(),
+        elevation: arguments.camera_elevation_angle.to_radians(),
+        fill: arguments.fit,
+    };
+    let named = names(arguments).into_iter().filter_map(NamedView::named);
+    let viewpoints: Vec<Viewpoint> = named.map(|view| view.of(&described)).collect();
+    if viewpoints.is_empty() { vec![described] } else { viewpoints }
 }

@@ -31,7 +31,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
 }
 
 /// Writes `bytes` to a temporary file beside `path` and renames it to `path`, with the permissions of a file made the plain way.
-pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     let failed = |source| ImageError::Io { path: path.to_owned(), source };
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -1,41 +1,207 @@
 //! The film: what a renderer fills, pixel by pixel, top row first.
 
+use super::cryptomatte::{RANKS, Share};
 use super::picture::decode_srgb;
+use std::ops::Range;
 
-/// A picture and what each pixel shows. Arrays have `width · height` elements, rows from the top.
+/// A rectangle of a picture's pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Columns to the left of it.
+    pub left: usize,
+    /// Rows above it.
+    pub top: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl Window {
+    /// All of a picture.
+    pub fn whole(width: usize, height: usize) -> Self {
+        Self { left: 0, top: 0, width, height }
+    }
+
+    /// Whether it lies in a picture of that size and holds a pixel.
+    pub fn is_within(&self, [width, height]: [usize; 2]) -> bool {
+        let fits = |first: usize, length: usize, most: usize| {
+            length > 0 && first.checked_add(length).is_some_and(|end| end <= most)
+        };
+        fits(self.left, self.width, width) && fits(self.top, self.height, height)
+    }
+}
+
+/// What a film has beside colours. What it has not costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "they are the fields of a film")]
+pub struct Layers {
+    pub depth: bool,
+    pub normal: bool,
+    pub position: bool,
+    pub uv: bool,
+    /// [`Film::part`] and [`Film::face`].
+    pub ids: bool,
+    pub albedo: bool,
+    pub matte: bool,
+}
+
+impl Layers {
+    /// Colours alone.
+    pub const NONE: Self = Self {
+        depth: false,
+        normal: false,
+        position: false,
+        uv: false,
+        ids: false,
+        albedo: false,
+        matte: false,
+    };
+    /// All of them.
+    pub const ALL: Self =
+        Self { depth: true, normal: true, position: true, uv: true, ids: true, albedo: true, matte: true };
+    /// What tells which pixel shows what, and how far away.
+    pub const PLAIN: Self = Self { depth: true, normal: true, ids: true, ..Self::NONE };
+
+    /// Whether any layer tells what is seen at the pixels' centres.
+    pub fn has_centers(self) -> bool {
+        self.depth || self.normal || self.position || self.uv || self.ids
+    }
+
+    /// Whether any layer gathers what the samples show first.
+    pub fn has_first_hits(self) -> bool {
+        self.albedo || self.matte
+    }
+}
+
+/// A picture and what each pixel shows. Arrays of layers that the film has not are empty; the others have `width · height` elements, rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     /// Pixels across.
     pub width: usize,
     /// Pixels down.
     pub height: usize,
+    /// Where the film's upper left pixel is in the whole picture.
+    pub corner: [usize; 2],
+    /// Pixels across and down of the whole picture, of which the film may be a part.
+    pub whole: [usize; 2],
     /// Linear-light red, green, blue, premultiplied, and coverage.
     pub color: Vec<[f32; 4]>,
     /// Distance along the view direction at the pixel's centre, millimetres; infinite where nothing is hit.
     pub depth: Vec<f32>,
     /// World-space unit normal towards the viewer; 0 where nothing is hit.
     pub normal: Vec<[f32; 3]>,
+    /// Where the surface is at the pixel's centre, model space, millimetres; 0 where nothing is hit.
+    pub position: Vec<[f32; 3]>,
+    /// The surface's own parameters at the pixel's centre, radians and millimetres; 0 where nothing is hit.
+    pub uv: Vec<[f32; 2]>,
     /// 1 + instance index; 0 where nothing is hit.
     pub part: Vec<u32>,
     /// 1 + face index; 0 where nothing is hit.
     pub face: Vec<u32>,
+    /// Linear light of the colours without light: the mean of the samples, black where there is no model.
+    pub albedo: Vec<[f32; 3]>,
+    /// How much of the pixel the parts cover that its samples show first, the greatest share first.
+    pub matte: Vec<[Share; RANKS]>,
     /// Exact odd-even tests that the trims cost; empty unless asked for.
     pub trim_tests: Vec<u32>,
 }
 
 impl Film {
-    /// An empty picture.
+    /// An empty picture with [`Layers::PLAIN`].
     pub fn new(width: usize, height: usize) -> Self {
+        Self::of_window(Window::whole(width, height), [width, height], Layers::PLAIN)
+    }
+
+    /// An empty part of a picture of size `whole`.
+    pub fn of_window(window: Window, whole: [usize; 2], layers: Layers) -> Self {
+        let Window { left, top, width, height } = window;
         let pixels = width * height;
         Self {
             width,
             height,
+            corner: [left, top],
+            whole,
             color: vec![[0.0; 4]; pixels],
-            depth: vec![f32::INFINITY; pixels],
-            normal: vec![[0.0; 3]; pixels],
-            part: vec![0; pixels],
-            face: vec![0; pixels],
+            depth: layer(layers.depth, f32::INFINITY, pixels),
+            normal: layer(layers.normal, [0.0; 3], pixels),
+            position: layer(layers.position, [0.0; 3], pixels),
+            uv: layer(layers.uv, [0.0; 2], pixels),
+            part: layer(layers.ids, 0, pixels),
+            face: layer(layers.ids, 0, pixels),
+            albedo: layer(layers.albedo, [0.0; 3], pixels),
+            matte: layer(layers.matte, [Share::default(); RANKS], pixels),
             trim_tests: Vec::new(),
+        }
+    }
+
+    /// An empty picture with the layers that `other` has.
+    pub fn with_layers_of(other: &Self, width: usize, height: usize) -> Self {
+        let layers = Layers {
+            depth: !other.depth.is_empty(),
+            normal: !other.normal.is_empty(),
+            position: !other.position.is_empty(),
+            uv: !other.uv.is_empty(),
+            ids: !other.part.is_empty(),
+            albedo: !other.albedo.is_empty(),
+            matte: !other.matte.is_empty(),
+        };
+        let mut film = Self::of_window(Window::whole(width, height), [width, height], layers);
+        film.trim_tests = layer(!other.trim_tests.is_empty(), 0, width * height);
+        film
+    }
+
+    /// The film's place in the whole picture.
+    pub fn window(&self) -> Window {
+        let [left, top] = self.corner;
+        Window { left, top, width: self.width, height: self.height }
+    }
+
+    /// Copies `other` into this film, its upper left pixel to column `left` of row `top`.
+    ///
+    /// # Panics
+    ///
+    /// Where it does not fit.
+    pub fn paste(&mut self, other: &Self, left: usize, top: usize) {
+        assert!(
+            left + other.width <= self.width && top + other.height <= self.height,
+            "the film is too large"
+        );
+        for y in 0..other.height {
+            let from = y * other.width..(y + 1) * other.width;
+            let to = (top + y) * self.width + left;
+            copy(&mut self.color, to, &other.color, from.clone());
+            copy(&mut self.depth, to, &other.depth, from.clone());
+            copy(&mut self.normal, to, &other.normal, from.clone());
+            copy(&mut self.position, to, &other.position, from.clone());
+            copy(&mut self.uv, to, &other.uv, from.clone());
+            copy(&mut self.albedo, to, &other.albedo, from.clone());
+            copy(&mut self.matte, to, &other.matte, from.clone());
+            copy(&mut self.part, to, &other.part, from.clone());
+            copy(&mut self.face, to, &other.face, from.clone());
+            copy(&mut self.trim_tests, to, &other.trim_tests, from);
+        }
+    }
+
+    /// Takes the pixels of a film that are to be had from its column `left` of its row `top` on, as far as this film has layers.
+    ///
+    /// # Panics
+    ///
+    /// Where `other` has not as many pixels there, or not the layers.
+    pub fn cut_from(&mut self, other: &Self, left: usize, top: usize) {
+        let (width, height) = (self.width, self.height);
+        let rows = (0..height).map(|y| (y * width, (top + y) * other.width + left));
+        for (to, from) in rows {
+            let (to, from) = (to..to + width, from..from + width);
+            cut(&mut self.color, to.clone(), &other.color, from.clone());
+            cut(&mut self.depth, to.clone(), &other.depth, from.clone());
+            cut(&mut self.normal, to.clone(), &other.normal, from.clone());
+            cut(&mut self.position, to.clone(), &other.position, from.clone());
+            cut(&mut self.uv, to.clone(), &other.uv, from.clone());
+            cut(&mut self.albedo, to.clone(), &other.albedo, from.clone());
+            cut(&mut self.matte, to.clone(), &other.matte, from.clone());
+            cut(&mut self.part, to.clone(), &other.part, from.clone());
+            cut(&mut self.face, to, &other.face, from);
         }
     }
 
@@ -52,10 +218,49 @@ impl Film {
     }
 }
 
+/// The array of a layer, or none.
+fn layer<T: Clone>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
+    if is_there { vec![value; pixels] } else { Vec::new() }
+}
+
+/// Copies part of a row, where both films have the layer.
+fn copy<T: Copy>(into: &mut [T], to: usize, from: &[T], range: Range<usize>) {
+    if !into.is_empty() && !from.is_empty() {
+        into[to..to + range.len()].copy_from_slice(&from[range]);
+    }
+}
+
+/// Copies part of a layer, where there is one.
+fn cut<T: Copy>(to: &mut [T], into: Range<usize>, from: &[T], range: Range<usize>) {
+    if !to.is_empty() {
+        to[into].copy_from_slice(&from[range]);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::Picture;
+
+    #[test]
+    fn windows_lie_within_or_not() {
+        let window = Window { left: 3, top: 1, width: 2, height: 4 };
+        assert!(window.is_within([5, 5]) && !window.is_within([4, 5]) && !window.is_within([5, 4]));
+        assert!(!Window { width: 0, ..window }.is_within([5, 5]));
+        assert!(!Window { left: usize::MAX, ..window }.is_within([5, 5]));
+    }
+
+    #[test]
+    fn a_pasted_film_is_where_it_was_put() {
+        let mut sheet = Film::new(5, 3);
+        let mut cell = Film::new(2, 1);
+        cell.color = vec![[1.0; 4], [2.0; 4]];
+        cell.face = vec![7, 8];
+        sheet.paste(&cell, 3, 2);
+        assert_eq!(sheet.color[13..], [[1.0; 4], [2.0; 4]]);
+        assert_eq!(sheet.face.iter().sum::<u32>(), 15);
+        assert_eq!(sheet.color[..13], [[0.0; 4]; 13]);
+    }
 
     #[test]
     fn a_wall_shows_where_the_model_does_not_cover_it() {
@@ -65,6 +270,6 @@ mod tests {
         film.put_behind([1.0, 0.0, 0.0]);
         assert_eq!(film.color[1], [0.2, 0.1, 0.0, 1.0]);
         assert_eq!(film.color[2], [0.6, 0.1, 0.1, 1.0]);
-        assert_eq!(Picture::from(&film).pixels[0], [255, 0, 0, 255]);
+        assert_eq!(<Picture>::from(&film).pixels[0], [255, 0, 0, 255]);
     }
 }

@@ -1,54 +1,74 @@
-//! The picture that a screen shows: 8 bits a channel, sRGB (IEC 61966-2-1), alpha not multiplied in.
+//! The picture that a screen shows: sRGB (IEC 61966-2-1) in 8 or 16 bits a channel, alpha not multiplied in.
 
 use super::Film;
+use std::ops::Not;
 use std::sync::LazyLock;
 
-/// Rows from the top.
+/// Rows from the top. A code is a `u8` or a `u16`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Picture {
+pub struct Picture<Code = u8> {
     /// Pixels across.
     pub width: usize,
     /// Pixels down.
     pub height: usize,
     /// Red, green, blue in sRGB, and coverage. Where coverage is 0, all are 0.
-    pub pixels: Vec<[u8; 4]>,
+    pub pixels: Vec<[Code; 4]>,
 }
 
-impl Picture {
+/// 16 bits a channel.
+pub type DeepPicture = Picture<u16>;
+
+impl<Code: Copy + Default + PartialEq + Not<Output = Code>> Picture<Code> {
     /// Whether every pixel is wholly covered.
     pub fn is_opaque(&self) -> bool {
-        self.pixels.iter().all(|p| p[3] == 255)
+        let full = !Code::default();
+        self.pixels.iter().all(|p| p[3] == full)
     }
 }
 
 impl From<&Film> for Picture {
     fn from(film: &Film) -> Self {
-        Self {
-            width: film.width,
-            height: film.height,
-            pixels: film.color.iter().map(|&c| develop(c)).collect(),
-        }
+        let pixels =
+            film.color.iter().map(|&c| develop(c, 255.0, encode_srgb).map(|code| code as u8)).collect();
+        Self { width: film.width, height: film.height, pixels }
     }
 }
 
-/// Linear premultiplied light to 8 bits.
-fn develop([red, green, blue, alpha]: [f32; 4]) -> [u8; 4] {
-    let coverage = (f64::from(alpha).clamp(0.0, 1.0) * 255.0).round() as u8;
+impl From<&Film> for DeepPicture {
+    fn from(film: &Film) -> Self {
+        let pixels = film.color.iter().map(|&c| develop(c, 65_535.0, encode_srgb_deep)).collect();
+        Self { width: film.width, height: film.height, pixels }
+    }
+}
+
+/// Linear premultiplied light to codes of 0 to `full`.
+fn develop([red, green, blue, alpha]: [f32; 4], full: f64, encode: fn(f64) -> u16) -> [u16; 4] {
+    let coverage = (f64::from(alpha).clamp(0.0, 1.0) * full).round() as u16;
     if coverage == 0 {
         return [0; 4];
     }
     let share = 1.0 / f64::from(alpha);
-    let [r, g, b] = [red, green, blue].map(|c| encode_srgb(f64::from(c) * share));
+    let [r, g, b] = [red, green, blue].map(|c| encode(f64::from(c) * share));
     [r, g, b, coverage]
 }
 
-/// The 8-bit sRGB code whose light is nearest in code space: `round(255 · encode(linear))`, clamped; NaN is black.
+/// The 8-bit sRGB code, 0 to 255, whose light is nearest in code space: `round(255 · encode(linear))`, clamped; NaN is black.
 ///
 /// The code is the number of half-way points at or below the light, which needs no power function and rounds exactly.
-fn encode_srgb(linear: f64) -> u8 {
-    static HALF_WAYS: LazyLock<[f64; 255]> =
-        LazyLock::new(|| std::array::from_fn(|code| decode_srgb((code as f64 + 0.5) / 255.0)));
-    HALF_WAYS.partition_point(|&half_way| half_way <= linear) as u8
+pub fn encode_srgb(linear: f64) -> u16 {
+    static HALF_WAYS: LazyLock<Vec<f64>> = LazyLock::new(|| half_ways(255));
+    HALF_WAYS.partition_point(|&half_way| half_way <= linear) as u16
+}
+
+/// The same in 16 bits.
+fn encode_srgb_deep(linear: f64) -> u16 {
+    static HALF_WAYS: LazyLock<Vec<f64>> = LazyLock::new(|| half_ways(65_535));
+    HALF_WAYS.partition_point(|&half_way| half_way <= linear) as u16
+}
+
+/// The light half-way between each code and the next, for codes of 0 to `full`.
+fn half_ways(full: u16) -> Vec<f64> {
+    (0..full).map(|code| decode_srgb((f64::from(code) + 0.5) / f64::from(full))).collect()
 }
 
 /// Linear light of an sRGB value, both in 0..=1.
@@ -63,7 +83,14 @@ mod tests {
     #[test]
     fn every_code_survives_the_way_through_linear_light() {
         for code in 0..=255_u8 {
-            assert_eq!(encode_srgb(decode_srgb(f64::from(code) / 255.0)), code);
+            assert_eq!(encode_srgb(decode_srgb(f64::from(code) / 255.0)), u16::from(code));
+        }
+    }
+
+    #[test]
+    fn every_deep_code_survives_too() {
+        for code in 0..=65_535_u16 {
+            assert_eq!(encode_srgb_deep(decode_srgb(f64::from(code) / 65_535.0)), code);
         }
     }
 
@@ -84,9 +111,9 @@ mod tests {
 
     #[test]
     fn coverage_is_divided_out() {
-        assert_eq!(develop([0.25, 0.25, 0.25, 0.25]), [255, 255, 255, 64]);
-        assert_eq!(develop([0.1, 0.1, 0.1, 0.0]), [0; 4]);
+        assert_eq!(develop([0.25, 0.25, 0.25, 0.25], 255.0, encode_srgb), [255, 255, 255, 64]);
+        assert_eq!(develop([0.1, 0.1, 0.1, 0.0], 255.0, encode_srgb), [0; 4]);
         let half = decode_srgb(0.5) as f32 * 0.5;
-        assert_eq!(develop([half, 0.0, 0.0, 0.5]), [128, 0, 0, 128]);
+        assert_eq!(develop([half, 0.0, 0.0, 0.5], 255.0, encode_srgb), [128, 0, 0, 128]);
     }
 }

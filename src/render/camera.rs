@@ -24,8 +24,10 @@ pub struct Camera {
 /// What is known of a camera; the rest follows from what it should show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
-    /// Unit vector to the top of the picture, as nearly as the direction lets it.
+    /// Unit vector to what is up in the model.
     pub up: DVec3,
+    /// Unit vector to the top of the picture, as nearly as the direction lets it; none: `up`.
+    pub top: Option<DVec3>,
     /// Unit vector into the picture; none: (−1, 1, −0.5), turned with `up` from +Z. Unused where there is a position.
     pub direction: Option<DVec3>,
     /// The eye; none: as near as shows everything.
@@ -36,17 +38,27 @@ pub struct Viewpoint {
     pub view_angle: f64,
     /// Whether rays are parallel.
     pub orthographic: bool,
+    /// How far the camera is turned about `up` and the focal point, to the right of who looks, radians.
+    pub azimuth: f64,
+    /// How far it is then raised over the focal point, radians; beyond a right angle it looks from behind, upside down.
+    pub elevation: f64,
+    /// The share of the picture, across or upwards, that the points to show fill, in 0..=1.
+    pub fill: f64,
 }
 
 impl Default for Viewpoint {
     fn default() -> Self {
         Self {
             up: DVec3::Z,
+            top: None,
             direction: None,
             position: None,
             focal_point: None,
             view_angle: std::f64::consts::PI / 6.0,
             orthographic: false,
+            azimuth: 0.0,
+            elevation: 0.0,
+            fill: FILL,
         }
     }
 }
@@ -54,7 +66,7 @@ impl Default for Viewpoint {
 /// The direction of f3d's pictures of STEP files, with +Z up.
 const DIRECTION: DVec3 = DVec3::new(-1.0, 1.0, -0.5);
 
-/// The share of the picture, across and upwards, that the points to show may fill.
+/// The share of the picture that is filled where nothing is said.
 const FILL: f64 = 0.95;
 
 /// The eye is never nearer to the focal point than this share of the box's diagonal.
@@ -84,8 +96,12 @@ impl Camera {
         };
         let default = || DQuat::from_rotation_arc(DVec3::Z, view.up) * DIRECTION.normalize();
         let forward = direction.and_then(DVec3::try_normalize).unwrap_or_else(default);
-        let right = right_of(forward, view.up);
+        let right = right_of(forward, view.top.unwrap_or(view.up));
         let up = right.cross(forward);
+        // The frame turns as a whole, so that the picture does not flip where the camera passes above what it looks at.
+        let turn =
+            DQuat::from_axis_angle(view.up, view.azimuth) * DQuat::from_axis_angle(-right, view.elevation);
+        let [forward, right, up] = [forward, right, up].map(|axis| turn * axis);
         let size = bounds.diagonal().max(f64::MIN_POSITIVE);
 
         // The points as the camera sees them: across, up and away from the focal point.
@@ -97,17 +113,19 @@ impl Camera {
         let (half_height, framing) = if view.orthographic {
             let across = Span::of(seen.clone().map(|p| p.x), centred);
             let upwards = Span::of(seen.map(|p| p.y), centred);
-            let half_height = (upwards.half.max(across.half / aspect) / FILL).max(size * NEAREST);
+            let half_height = (upwards.half.max(across.half / aspect) / view.fill).max(size * NEAREST);
             (half_height, DVec3::new(across.middle, upwards.middle, -size))
         } else {
             let tangent = (view.view_angle / 2.0).tan();
-            let across = Wedge::around(seen.clone().map(|p| (p.x, p.z)), tangent * aspect * FILL, centred);
-            let upwards = Wedge::around(seen.map(|p| (p.y, p.z)), tangent * FILL, centred);
+            let across =
+                Wedge::around(seen.clone().map(|p| (p.x, p.z)), tangent * aspect * view.fill, centred);
+            let upwards = Wedge::around(seen.map(|p| (p.y, p.z)), tangent * view.fill, centred);
             let depth = across.apex.min(upwards.apex).min(-size * NEAREST);
             (tangent, DVec3::new(across.middle, upwards.middle, depth))
         };
         let framed = focal_point + right * framing.x + up * framing.y + forward * framing.z;
-        let position = view.position.unwrap_or(framed);
+        let turned = |position| focal_point + turn * (position - focal_point);
+        let position = view.position.map_or(framed, turned);
         Self { position, forward, right, up, half_height, orthographic: view.orthographic }
     }
 }
@@ -201,6 +219,42 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_fill_is_what_is_asked_for() {
+        for orthographic in [false, true] {
+            let view = Viewpoint { fill: 0.5, orthographic, ..Viewpoint::default() };
+            let camera = Camera::new(&view, &flat_box().corners(), 1.5);
+            let seen = flat_box().corners().map(|c| project(&camera, 1.5, c));
+            let extent = seen.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
+            assert!((extent - 0.5).abs() < 1e-9, "{extent}");
+        }
+    }
+
+    /// As VTK's cameras turn: a positive azimuth takes the eye to the right, a positive elevation up.
+    #[test]
+    fn azimuth_and_elevation_turn_the_eye_about_the_focal_point() {
+        let turned = |azimuth: f64, elevation: f64, position: Option<DVec3>| {
+            let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+            let direction = Some(DVec3::Y);
+            let focal_point = Some(DVec3::new(1040.0, 20.0, 6.0));
+            let view =
+                Viewpoint { direction, position, focal_point, azimuth, elevation, ..Viewpoint::default() };
+            Camera::new(&view, &flat_box().corners(), 1.0)
+        };
+        let is_near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-9, "{a} {b}");
+        let right = turned(90.0, 0.0, None);
+        is_near(right.forward, -DVec3::X);
+        is_near(right.up, DVec3::Z);
+        let above = turned(0.0, 90.0, None);
+        is_near(above.forward, -DVec3::Z);
+        is_near(above.up, DVec3::Y);
+        let above_right = turned(90.0, 90.0, None);
+        is_near(above_right.up, -DVec3::X);
+        let moved = turned(90.0, 0.0, Some(DVec3::new(1040.0, -80.0, 6.0)));
+        is_near(moved.position, DVec3::new(1140.0, 20.0, 6.0));
+        is_near(moved.forward, -DVec3::X);
     }
 
     #[test]

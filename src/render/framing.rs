@@ -16,10 +16,44 @@ impl Camera {
     /// The camera for pictures of the scene that are `aspect` times as wide as high. Where the viewpoint says itself where to look or to stand,
     /// it is taken at its word and the scene's box decides the rest.
     pub fn framing(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
-        let by_box = Self::new(view, &bounds(scene).corners(), aspect);
         if view.position.is_some() || view.focal_point.is_some() {
-            return by_box;
+            return Self::new(view, &bounds(scene).corners(), aspect);
         }
+        Self::framing_the_seen(view, scene, aspect)
+    }
+
+    /// The cameras of a turntable: `count` of them at even steps of a whole turn about the viewpoint's up axis, the first one at the viewpoint.
+    ///
+    /// The axis passes through the focal point, or the middle of the scene's box, and all cameras are as far from it as the one that has to be
+    /// farthest to show everything: a distance for each would make the model pulse.
+    pub fn turntable(view: &Viewpoint, scene: &Scene<'_>, aspect: f64, count: u32) -> Vec<Self> {
+        let focal_point = view.focal_point.unwrap_or_else(|| bounds(scene).center());
+        let mut cameras: Vec<Self> = (0..count)
+            .map(|index| {
+                let azimuth = view.azimuth + std::f64::consts::TAU * f64::from(index) / f64::from(count);
+                let view = Viewpoint { focal_point: Some(focal_point), azimuth, ..*view };
+                if view.position.is_some() {
+                    Self::new(&view, &bounds(scene).corners(), aspect)
+                } else {
+                    Self::framing_the_seen(&view, scene, aspect)
+                }
+            })
+            .collect();
+        let half_height = cameras.iter().map(|camera| camera.half_height).fold(0.0, f64::max);
+        let distance = |camera: &Self| (focal_point - camera.position).dot(camera.forward);
+        let farthest = cameras.iter().map(distance).fold(f64::NEG_INFINITY, f64::max);
+        for camera in &mut cameras {
+            camera.half_height = half_height;
+            if view.position.is_none() {
+                camera.position = focal_point - camera.forward * farthest;
+            }
+        }
+        cameras
+    }
+
+    /// The camera around the points that a coarse look sees.
+    fn framing_the_seen(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
+        let by_box = Self::new(view, &bounds(scene).corners(), aspect);
         let seen = visible_points(scene, &by_box, aspect);
         if seen.is_empty() { by_box } else { Self::new(view, &seen, aspect) }
     }

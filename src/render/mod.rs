@@ -2,14 +2,17 @@
 
 pub mod camera;
 pub mod cpu;
+mod first_hits;
 mod framing;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod named_view;
 mod options;
 mod ray;
 pub mod reference;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
+pub use named_view::{NAMED_VIEWS, NamedView, REVIEW};
 pub use options::{Background, Exactness, RenderOptions, Sampling};
 pub use ray::{Hit, Ray};

@@ -1,6 +1,6 @@
 //! What a picture should look like.
 
-use crate::image::Film;
+use crate::image::{Film, Layers, Window};
 
 /// What stands behind the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +13,7 @@ pub enum Background {
 
 impl Background {
     /// Puts it behind what a film shows.
-    pub(super) fn put_behind(self, film: &mut Film) {
+    pub fn put_behind(self, film: &mut Film) {
         match self {
             Self::Color(srgb) => film.put_behind(srgb),
             Self::Transparent => {}
@@ -59,6 +59,18 @@ pub struct RenderOptions {
     pub ambient_occlusion: bool,
     /// How carefully grazing hits are searched for.
     pub exactness: Exactness,
+    /// What the film has beside colours.
+    pub layers: Layers,
+    /// The part of the picture to render; none: all of it. It lies within the picture.
+    pub window: Option<Window>,
+}
+
+impl RenderOptions {
+    /// The film to fill, empty.
+    pub(super) fn film(&self) -> Film {
+        let whole = self.resolution.map(|n| n as usize);
+        Film::of_window(self.window.unwrap_or(Window::whole(whole[0], whole[1])), whole, self.layers)
+    }
 }
 
 impl Default for RenderOptions {
@@ -70,6 +82,8 @@ impl Default for RenderOptions {
             background: Background::Color([1.0, 1.0, 1.0]),
             ambient_occlusion: true,
             exactness: Exactness::default(),
+            layers: Layers::PLAIN,
+            window: None,
         }
     }
 }

@@ -1,6 +1,9 @@
 //! The binary as its users meet it: what it prints, what it writes, how it ends.
 
+mod camera;
 mod cube;
+mod output;
+mod selection;
 
 use assert_cmd::Command;
 use cube::cube;

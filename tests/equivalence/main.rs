@@ -4,6 +4,7 @@
 #![cfg(feature = "gpu")]
 
 mod compare;
+mod layers;
 mod synthetic;
 mod trims;
 
@@ -12,6 +13,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use trimray::bake::BakeOptions;
 use trimray::bench::{aimed, chord, edge_points};
+use trimray::image::Layers;
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
 use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions, Sampling};
@@ -67,6 +69,8 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
         background: Background::Transparent,
         ambient_occlusion,
         exactness: Exactness::Exact,
+        layers: Layers::PLAIN,
+        window: None,
     }
 }
 

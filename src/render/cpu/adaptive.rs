@@ -7,14 +7,19 @@
 //!
 //! The sky that the centres see is one ray each, freed of its grain (`occlusion`), and samples take it from the centres of their own surface.
 //! Both tracers do this alike: [`paint`] is their common part.
+//!
+//! A pixel depends on those around it, as far as [`MARGIN`]: a part of a picture is rendered with such a border, and is then to the bit what the whole picture
+//! has there.
 
 use super::camera::pixel_ray;
-use super::occlusion::{Surface, smooth};
+use super::hit::surface_parameters;
+use super::occlusion::{REACH, Surface, smooth};
 use super::pixels::{BESIDE_ALL, BESIDE_LEFT, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived};
-use super::shade::is_other;
+use super::shade::{hit_material, is_other};
 use super::vector::Vector3;
-use crate::image::Film;
-use crate::render::{Camera, RenderOptions, Sampling};
+use crate::image::{Film, Layers, Share, Window};
+use crate::render::{Camera, Ray, RenderOptions, Sampling};
+use crate::scene::Scene;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 
@@ -27,13 +32,19 @@ const MOST_STEP: f32 = 1.0;
 /// Pixels refined in one call: a dispatch of the GPU tracer holds them.
 pub const MOST_REFINED: usize = 65_472;
 
-/// How often neighbours are followed: a line that shows once in so many pixels is followed to its end.
-const MOST_ROUNDS: usize = 64;
+/// How often neighbours are followed: as far as a line is followed from where it is found.
+const MOST_ROUNDS: usize = 8;
+
+/// How far, in pixels, what a pixel shows depends on others: on as many rounds, whose last looks at pixels beside those it asks for and at theirs, which
+/// know of the sky as far as its mean reaches.
+const MARGIN: usize = MOST_ROUNDS + 2 + REACH;
 
 /// What the centres of all pixels show, row by row.
 pub struct Centers<'a> {
+    scene: &'a Scene<'a>,
     camera: &'a Camera,
     options: &'a RenderOptions,
+    /// With the layers of [`Layers::PLAIN`] and those that are asked for.
     film: Film,
     dark: Vec<[f32; 3]>,
     lit: Vec<[f32; 3]>,
@@ -41,15 +52,28 @@ pub struct Centers<'a> {
     see_through: Vec<bool>,
 }
 
+/// The part of a picture to render so that the part that is asked for is right.
+pub fn with_margin(options: &RenderOptions) -> Window {
+    let whole = options.resolution.map(|n| n as usize);
+    let Some(window) = options.window else { return Window::whole(whole[0], whole[1]) };
+    let (left, top) = (window.left.saturating_sub(MARGIN), window.top.saturating_sub(MARGIN));
+    let right = (window.left + window.width + MARGIN).min(whole[0]);
+    let bottom = (window.top + window.height + MARGIN).min(whole[1]);
+    Window { left, top, width: right - left, height: bottom - top }
+}
+
 impl<'a> Centers<'a> {
-    /// Those of a picture with nothing in it.
-    pub fn new(camera: &'a Camera, options: &'a RenderOptions) -> Self {
-        let [width, height] = options.resolution.map(|n| n as usize);
-        let pixels = width * height;
+    /// Those of [`with_margin`]'s part of a picture, with nothing in it.
+    pub fn new(scene: &'a Scene<'a>, camera: &'a Camera, options: &'a RenderOptions) -> Self {
+        let layers = Layers { depth: true, normal: true, ids: true, ..options.layers };
+        let whole = options.resolution.map(|n| n as usize);
+        let film = Film::of_window(with_margin(options), whole, layers);
+        let pixels = film.color.len();
         Self {
+            scene,
             camera,
             options,
-            film: Film::new(width, height),
+            film,
             dark: vec![[0.0; 3]; pixels],
             lit: vec![[0.0; 3]; pixels],
             open: vec![1.0; pixels],
@@ -59,14 +83,24 @@ impl<'a> Centers<'a> {
 
     /// Tells what pixels from index `first` on show; depths are made `behind` millimetres greater.
     pub fn put(&mut self, first: usize, centers: &[Center], behind: f64) {
-        for (pixel, center) in (first..).zip(centers) {
-            if center.face == 0 {
-                continue;
+        let layers = self.options.layers;
+        for (pixel, center) in (first..).zip(centers).filter(|(_, center)| center.instance != 0) {
+            let film = &mut self.film;
+            film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
+            film.normal[pixel] = center.normal;
+            film.part[pixel] = center.instance;
+            film.face[pixel] = center.face;
+            let (instance, face) = (center.instance - 1, center.face - 1);
+            if layers.uv {
+                let uv = surface_parameters(self.scene, face, center.net, center.uv);
+                film.uv[pixel] = uv.map(|parameter| parameter as f32);
             }
-            self.film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
-            self.film.normal[pixel] = center.normal;
-            self.film.part[pixel] = center.instance;
-            self.film.face[pixel] = center.face;
+            if layers.albedo {
+                film.albedo[pixel] = hit_material(self.scene, instance, face).rgb;
+            }
+            if layers.matte {
+                film.matte[pixel][0] = Share { part: center.instance, coverage: 1.0 };
+            }
             self.dark[pixel] = center.dark;
             self.lit[pixel] = center.lit;
             self.open[pixel] = center.open;
@@ -74,20 +108,35 @@ impl<'a> Centers<'a> {
         }
     }
 
-    /// Points that the pixels show, from the eye.
-    fn positions(&self) -> Vec<[f32; 3]> {
-        let width = self.film.width;
+    /// Points that the pixels show, from `origin`; 0 where nothing is.
+    fn positions(&self, origin: glam::DVec3) -> Vec<[f32; 3]> {
         let position = |pixel: usize| {
-            if self.film.face[pixel] == 0 {
+            if self.film.part[pixel] == 0 {
                 return [0.0; 3];
             }
-            let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            let ray = pixel_ray(self.camera, self.options.resolution, x, y);
+            let ray = center_ray(&self.film, self.camera, pixel);
             let along = f64::from(self.film.depth[pixel]) / ray.direction.dot(self.camera.forward);
-            (ray.origin - self.camera.position + ray.direction * along).as_vec3().to_array()
+            (ray.origin - origin + ray.direction * along).as_vec3().to_array()
         };
-        (0..self.film.face.len()).into_par_iter().map(position).collect()
+        (0..self.film.part.len()).into_par_iter().map(position).collect()
     }
+
+    /// The part of the picture that was asked for, with the layers that were.
+    fn finish(mut self) -> Film {
+        if self.options.layers.position {
+            self.film.position = self.positions(glam::DVec3::ZERO);
+        }
+        let mut film = self.options.film();
+        let [left, top] = [0, 1].map(|k| film.corner[k] - self.film.corner[k]);
+        film.cut_from(&self.film, left, top);
+        film
+    }
+}
+
+/// The ray through the centre of a film's pixel.
+fn center_ray(film: &Film, camera: &Camera, pixel: usize) -> Ray {
+    let (x, y) = (film.corner[0] + pixel % film.width, film.corner[1] + pixel / film.width);
+    pixel_ray(camera, film.whole.map(|n| n as u32), x as f64 + 0.5, y as f64 + 0.5)
 }
 
 /// From what the centres show to the picture, without a background. `refine` takes all samples of some pixels, in order of their index; it is called as often as
@@ -104,7 +153,7 @@ pub fn paint<E>(
     let options = centers.options;
     let is_uniform = options.sampling == Sampling::Uniform && options.samples > 1;
     let has_sky = options.ambient_occlusion && !is_uniform;
-    let positions = if has_sky { centers.positions() } else { Vec::new() };
+    let positions = if has_sky { centers.positions(centers.camera.position) } else { Vec::new() };
     if has_sky {
         let surface =
             Surface { width: centers.film.width, normal: &centers.film.normal, position: &positions };
@@ -114,16 +163,19 @@ pub fn paint<E>(
     let pixels = centers.film.color.len();
     let mut is_asked = if is_uniform { vec![true; pixels] } else { marks(&centers, &positions) };
     let mut asked: Vec<usize> = (0..pixels).filter(|&pixel| is_asked[pixel]).collect();
-    for _ in 0..MOST_ROUNDS {
-        if asked.is_empty() {
-            break;
-        }
+    for _ in 0..=MOST_ROUNDS {
         let mut next = Vec::new();
         for asked in asked.chunks(MOST_REFINED) {
             let refined: Vec<Refined> =
                 asked.par_iter().map(|&pixel| around(&centers, pixel, is_uniform)).collect();
             for (&pixel, sampled) in asked.iter().zip(refine(&refined)?) {
                 centers.film.color[pixel] = sampled.color;
+                if options.layers.albedo {
+                    centers.film.albedo[pixel] = sampled.albedo;
+                }
+                if options.layers.matte {
+                    centers.film.matte[pixel] = sampled.matte;
+                }
                 for beside in suspects(&centers.film, pixel, sampled.flags) {
                     if !is_asked[beside] {
                         is_asked[beside] = true;
@@ -132,17 +184,20 @@ pub fn paint<E>(
                 }
             }
         }
+        if next.is_empty() {
+            break;
+        }
         next.sort_unstable();
         asked = next;
     }
-    Ok(centers.film)
+    Ok(centers.finish())
 }
 
 /// The colours as the centres have them.
 fn color_centers(centers: &mut Centers<'_>) {
     let Centers { film, dark, lit, open, .. } = centers;
     for (pixel, color) in film.color.iter_mut().enumerate() {
-        if film.face[pixel] != 0 {
+        if film.part[pixel] != 0 {
             let [dark, lit, open] = [dark[pixel], lit[pixel], [open[pixel]; 3]];
             let mixed = [0, 1, 2].map(|k| dark[k] + (lit[k] - dark[k]) * open[k]);
             *color = [mixed[0], mixed[1], mixed[2], 1.0];
@@ -178,15 +233,15 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
         return centers.see_through.clone();
     }
     let perceived: Vec<[f32; 3]> = centers.lit.par_iter().map(|&light| perceived(light)).collect();
-    let step = pixel_steps(centers.camera, centers.film.height);
+    let step = pixel_steps(centers.camera, centers.film.whole[1]);
     let is_marked = |pixel: usize| {
         let film = &centers.film;
         let beside = neighbours(film, pixel);
-        let shows_other = |other: usize| (film.face[other] == 0) != (film.face[pixel] == 0);
+        let shows_other = |other: usize| (film.part[other] == 0) != (film.part[pixel] == 0);
         if beside.iter().flatten().any(|&other| shows_other(other)) {
             return true;
         }
-        if film.face[pixel] == 0 {
+        if film.part[pixel] == 0 {
             return false;
         }
         let bends = |a: Option<usize>, b: Option<usize>| {
@@ -208,7 +263,7 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
             || bends(beside[2], beside[3])
             || beside.into_iter().flatten().any(steps)
     };
-    (0..centers.film.face.len()).into_par_iter().map(is_marked).collect()
+    (0..centers.film.part.len()).into_par_iter().map(is_marked).collect()
 }
 
 /// How wide pixels are.
@@ -235,8 +290,8 @@ fn pixel_steps(camera: &Camera, height: usize) -> PixelSteps {
 
 /// Whether fewer than two of a pixel's neighbours show what it shows.
 fn is_alone(centers: &Centers<'_>, pixel: usize) -> bool {
-    let (lit, face) = (&centers.lit, &centers.film.face);
-    let shows_same = |&other: &usize| !is_other([lit[pixel], lit[other]], [face[pixel], face[other]]);
+    let (lit, part) = (&centers.lit, &centers.film.part);
+    let shows_same = |&other: &usize| !is_other([lit[pixel], lit[other]], [part[pixel], part[other]]);
     neighbours(&centers.film, pixel).into_iter().flatten().filter(shows_same).count() < 2
 }
 

@@ -3,17 +3,13 @@
 use super::camera::pixel_ray;
 use super::queries::{Untrimmed, first_hit_counts};
 use super::render::render;
-use crate::image::{Film, decode_srgb};
+use crate::image::{Film, heat_color};
 use crate::render::{Background, Camera, RenderOptions};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
 /// Exact tests from which a pixel is red.
 const HOTTEST: f32 = 20.0;
-
-/// sRGB, at even steps from none to [`HOTTEST`].
-const COLORS: [[f32; 3]; 6] =
-    [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
 
 /// A picture whose colours tell how many exact odd-even tests the ray through each pixel's centre needs to its first hit; the numbers are
 /// [`Film::trim_tests`], and the other channels are those of [`render()`].
@@ -31,9 +27,10 @@ pub fn render_trim_tests(
     };
     let mut film = render(scene, camera, &plain, progress);
     let untrimmed = Untrimmed::new(scene);
-    let width = film.width;
+    let window = film.window();
     let count = |pixel: usize| {
-        let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        let (x, y) = (window.left + pixel % window.width, window.top + pixel / window.width);
+        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
         let ray = pixel_ray(camera, options.resolution, x, y);
         first_hit_counts(scene, &untrimmed, &ray).exact_tests as u32
     };
@@ -46,15 +43,7 @@ pub fn render_trim_tests(
 
 /// Opaque linear light.
 fn heat(tests: u32) -> [f32; 4] {
-    let last = COLORS.len() - 1;
-    let at = (tests as f32).min(HOTTEST) / HOTTEST * last as f32;
-    let below = (at as usize).min(last - 1);
-    let share = at - below as f32;
-    let [r, g, b] = [0, 1, 2].map(|k| {
-        let code = COLORS[below][k] + (COLORS[below + 1][k] - COLORS[below][k]) * share;
-        decode_srgb(f64::from(code)) as f32
-    });
-    [r, g, b, 1.0]
+    heat_color(tests as f32 / HOTTEST)
 }
 
 #[cfg(test)]

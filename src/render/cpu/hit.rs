@@ -41,19 +41,22 @@ pub fn world_slack<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> T {
 
 /// The hit with its distance from the ray's own origin, its normal and its surface parameters.
 pub fn finish_hit<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>, start: f64) -> Hit {
-    let normalised = if hit.net == NO_NET {
-        hit.uv
-    } else {
-        let net = &scene.nets[hit.net as usize];
-        face_parameters(net, scene.faces[hit.face as usize].period, hit.uv)
-    };
-    let info = &scene.metadata.faces[hit.face as usize];
-    let uv = |k: usize| info.uv_low[k] + normalised[k].to_f64() * info.uv_size[k];
     Hit {
         t: start + hit.distance.to_f64(),
         normal: hit_normal(scene, hit).to_f64(),
-        uv: [uv(0), uv(1)],
+        uv: surface_parameters(scene, hit.face, hit.net, hit.uv),
         face: hit.face,
         instance: hit.instance,
     }
+}
+
+/// The surface's own parameters of a hit's: those of the face, normalised, or of the net.
+pub fn surface_parameters<T: Kernel>(scene: &Scene<'_>, face: u32, net: u32, uv: [T; 2]) -> [f64; 2] {
+    let normalised = if net == NO_NET {
+        uv
+    } else {
+        face_parameters(&scene.nets[net as usize], scene.faces[face as usize].period, uv)
+    };
+    let info = &scene.metadata.faces[face as usize];
+    [0, 1].map(|k| info.uv_low[k] + normalised[k].to_f64() * info.uv_size[k])
 }

@@ -55,7 +55,7 @@ pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
 pub use self::render::render;
 #[cfg(feature = "gpu")]
-pub(super) use self::render::{centers, samples};
+pub(super) use self::render::{find_centers, take_samples};
 pub use self::trim::{trim_counted, trim_inside};
 pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;

@@ -13,6 +13,9 @@ const SAME_WAY: f32 = 0.9;
 /// Sine of the angle at which a point may lie off the tangent plane of another.
 const OFF_PLANE: f32 = 0.25;
 
+/// How far, in pixels, the means reach.
+pub const REACH: usize = 6;
+
 /// What the filter looks at: arrays of all pixels, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface<'a> {

@@ -1,9 +1,10 @@
 //! What is known of pixels on the way to a picture: records that both tracers fill and read, and that the GPU's buffers hold as they are.
 
+use crate::image::{RANKS, Share};
 use bytemuck::{Pod, Zeroable};
 
 /// What the ray through a pixel's centre shows. The light of the surface is `dark` where it sees nothing of the sky, `lit` where it sees all of it, and runs
-/// straight from one to the other in between. 64 bytes.
+/// straight from one to the other in between. 80 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Center {
@@ -23,8 +24,14 @@ pub struct Center {
     pub instance: u32,
     /// 1 + index; 0 where nothing is hit.
     pub face: u32,
+    /// Index of the net that is hit, or none.
+    pub net: u32,
     /// 0.
-    pub reserved: [u32; 2],
+    pub reserved_0: u32,
+    /// Parameters of the hit as the tracer has them.
+    pub uv: [f32; 2],
+    /// 0.
+    pub reserved_1: [u32; 2],
 }
 
 /// A kernel ran out of loop turns: the pixel is not known.
@@ -75,9 +82,13 @@ pub struct Sampled {
     pub color: [f32; 4],
     /// Bits: [`INCOMPLETE`] and those from [`BESIDE_LEFT`] on.
     pub flags: u32,
+    /// The mean colour of what they show first, without light; black unless asked for.
+    pub albedo: [f32; 3],
+    /// How much the parts cover that they show first; nothing unless asked for.
+    pub matte: [Share; RANKS],
 }
 
-const _: () = assert!(size_of::<Center>() == 64 && size_of::<Refined>() == 256);
+const _: () = assert!(size_of::<Center>() == 80 && size_of::<Refined>() == 256);
 
 /// What the eye makes of linear light, about: sRGB codes in 0..=1 are its root within a few percent.
 pub fn perceived(light: [f32; 3]) -> [f32; 3] {

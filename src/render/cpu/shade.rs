@@ -68,7 +68,7 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
         return center;
     };
     let n = visible_normal(scene, &prepared.ray, &hit);
-    let material = hit_material(scene, &hit);
+    let material = hit_material(scene, hit.instance, hit.face);
     let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
     if shading.options.ambient_occlusion {
         center.open = openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, 0, 1));
@@ -80,6 +80,8 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     center.flags = if material.opacity < 1.0 { SEE_THROUGH } else { 0 };
     center.instance = hit.instance + 1;
     center.face = hit.face + 1;
+    center.net = hit.net;
+    center.uv = hit.uv;
     center
 }
 
@@ -90,6 +92,8 @@ pub struct Shaded {
     pub color: [f32; 4],
     /// Of the first thing that is hit, as in [`Center`]; none where nothing is.
     pub lit: Option<[f32; 3]>,
+    /// Its instance and face, indices.
+    pub first: Option<(u32, u32)>,
 }
 
 /// The light along a model-space ray through a place of a pixel, front to back through see-through faces.
@@ -108,12 +112,13 @@ pub fn shade_sample(
         let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
             break;
         };
-        let material = hit_material(scene, &hit);
+        let material = hit_material(scene, hit.instance, hit.face);
         let n = visible_normal(scene, &prepared.ray, &hit);
         let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
         let mut open = 1.0;
         if layer == 1 {
             shaded.lit = Some(light(1.0));
+            shaded.first = Some((hit.instance, hit.face));
         }
         if shading.options.ambient_occlusion {
             let known = if layer == 1 { known_openness(around, &hit, n) } else { -1.0 };
@@ -163,8 +168,8 @@ pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
     for side in 0..4 {
         let neighbour = &refined.around[side + 1];
         let differs = match shaded.lit {
-            Some(lit) => is_other([lit, neighbour.lit], [1, neighbour.face]),
-            None => neighbour.face != 0,
+            Some(lit) => is_other([lit, neighbour.lit], [1, neighbour.instance]),
+            None => neighbour.instance != 0,
         };
         shown += u32::from(!differs && neighbour.is_alone == 0);
         if differs && is_close[side] {
@@ -174,9 +179,9 @@ pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
     if shown == 0 { BESIDE_ALL } else { flags }
 }
 
-/// Whether two places show different things: their lights under the whole sky, and 0 for a face where there is none.
-pub fn is_other(lit: [[f32; 3]; 2], face: [u32; 2]) -> bool {
-    (face[0] == 0) != (face[1] == 0) || face[0] != 0 && contrast(lit[0], lit[1]) > OTHER
+/// Whether two places show different things: their lights under the whole sky, and 0 for an instance where there is none.
+pub fn is_other(lit: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
+    (instance[0] == 0) != (instance[1] == 0) || instance[0] != 0 && contrast(lit[0], lit[1]) > OTHER
 }
 
 /// The normal towards the eye.
@@ -185,11 +190,10 @@ fn visible_normal(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: &RawHit<f32>) -> 
     if outward.dot(ray.direction) > 0.0 { -outward } else { outward }
 }
 
-/// The look of a hit: the occurrence's, else the face's.
-pub fn hit_material(scene: &Scene<'_>, hit: &RawHit<f32>) -> Material {
-    let of_instance = scene.instances[hit.instance as usize].material;
-    let index =
-        if of_instance == NO_MATERIAL { scene.faces[hit.face as usize].material } else { of_instance };
+/// The look of a face as an instance shows it: the occurrence's, else the face's.
+pub fn hit_material(scene: &Scene<'_>, instance: u32, face: u32) -> Material {
+    let of_instance = scene.instances[instance as usize].material;
+    let index = if of_instance == NO_MATERIAL { scene.faces[face as usize].material } else { of_instance };
     scene.materials[index as usize]
 }
 

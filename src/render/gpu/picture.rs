@@ -6,10 +6,12 @@
 
 use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
-use crate::image::Film;
-use crate::render::cpu::adaptive::{Centers, MOST_REFINED, paint};
+use crate::image::{Film, Window};
+use crate::render::cpu::adaptive::{Centers, MOST_REFINED, paint, with_margin};
+use crate::render::cpu::camera::pixel_key;
 use crate::render::cpu::pixels::{Center, INCOMPLETE, Refined, Sampled};
 use crate::render::cpu::{self, shade};
+use crate::render::first_hits::FirstHits;
 use crate::render::{Camera, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
@@ -25,9 +27,9 @@ struct GpuCamera {
     fraction: [f32; 3],
     orthographic: u32,
     forward: [f32; 3],
-    reserved_0: u32,
+    corner: u32,
     forward_low: [f32; 3],
-    reserved_1: u32,
+    window_width: u32,
     right: [f32; 3],
     width: u32,
     up: [f32; 3],
@@ -75,16 +77,16 @@ impl Gpu {
         options: &RenderOptions,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Film, GpuError> {
-        let Some((eye_distance, placed)) = place_camera(camera, options.resolution, scene.scene.header)
-        else {
-            let [width, height] = options.resolution.map(|n| n as usize);
-            let mut film = Film::new(width, height);
+        let window = with_margin(options);
+        let placed = place_camera(camera, options.resolution, window, scene.scene.header);
+        let Some((eye_distance, placed)) = placed else {
+            let mut film = options.film();
             options.background.put_behind(&mut film);
             return Ok(film);
         };
         let shot = Shot { gpu: self, scene, camera, options, placed };
-        let count = options.resolution.map(|n| n as usize).iter().product();
-        let mut centers = Centers::new(camera, options);
+        let count = window.width * window.height;
+        let mut centers = Centers::new(&scene.scene, camera, options);
         for first in (0..count).step_by(MOST_ELEMENTS) {
             let pixels = first as u32..(first + MOST_ELEMENTS).min(count) as u32;
             progress(first, count);
@@ -120,7 +122,7 @@ impl Shot<'_> {
         let given_up: Vec<u32> =
             pixels.clone().zip(&centers).filter(|(_, c)| c.flags & INCOMPLETE != 0).map(|(p, _)| p).collect();
         let eye_distance = self.eye_distance();
-        let found = cpu::centers(&self.scene.scene, self.camera, self.options, &given_up);
+        let found = cpu::find_centers(&self.scene.scene, self.camera, self.options, &given_up);
         for (pixel, mut center) in given_up.into_iter().zip(found) {
             center.depth = (f64::from(center.depth) - eye_distance) as f32;
             centers[(pixel - pixels.start) as usize] = center;
@@ -132,17 +134,23 @@ impl Shot<'_> {
     fn samples(&self, refined: &[Refined]) -> Result<Vec<Sampled>, GpuError> {
         let samples = self.options.samples.max(1);
         let parameters = RenderParameters { pixel_count: refined.len() as u32, samples, ..self.parameters() };
-        let Run { sums, centers } = self.run(parameters, refined)?;
+        let Run { sums, centers, first_hits } = self.run(parameters, refined)?;
         let mean = |sum: [f32; 4]| sum.map(|component| component / samples as f32);
         let mut sampled: Vec<Sampled> = sums
             .into_iter()
             .zip(&centers)
-            .map(|(sum, center)| Sampled { color: mean(sum), flags: center.flags })
+            .zip(first_hits)
+            .map(|((sum, center), first_hits)| Sampled {
+                color: mean(sum),
+                flags: center.flags,
+                albedo: first_hits.albedo(samples),
+                matte: first_hits.shares(samples),
+            })
             .collect();
         let given_up: Vec<usize> =
             (0..sampled.len()).filter(|&index| sampled[index].flags & INCOMPLETE != 0).collect();
         let asked: Vec<Refined> = given_up.iter().map(|&index| refined[index]).collect();
-        let found = cpu::samples(&self.scene.scene, self.camera, self.options, &asked);
+        let found = cpu::take_samples(&self.scene.scene, self.camera, self.options, &asked);
         for (index, one) in given_up.into_iter().zip(found) {
             sampled[index] = one;
         }
@@ -179,25 +187,41 @@ impl Shot<'_> {
         let colors = gpu.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = gpu.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
         let pipeline = gpu.pipeline(Entry::Render, self.scene, self.options.exactness, lanes)?;
+        let mut first_hits = vec![FirstHits::default(); count as usize];
         for sample in 0..parameters.samples {
             parameters.sample_index = sample;
             let uniform = gpu.create_uniform("render parameters", &parameters);
             let bind_group = gpu.bind(Entry::Render, &[&uniform, &asked, &colors, &centers]);
             gpu.dispatch(&pipeline, self.scene, &bind_group, count, lanes)?;
+            if self.options.layers.has_first_hits() && parameters.centers_only == 0 {
+                let found: Vec<Center> = gpu.read(&centers, count as usize)?;
+                for (hits, center) in first_hits.iter_mut().zip(found).filter(|(_, c)| c.instance != 0) {
+                    hits.add(&self.scene.scene, center.instance - 1, center.face - 1);
+                }
+            }
         }
-        Ok(Run { sums: gpu.read(&colors, count as usize)?, centers: gpu.read(&centers, count as usize)? })
+        let (sums, centers) = (gpu.read(&colors, count as usize)?, gpu.read(&centers, count as usize)?);
+        Ok(Run { sums, centers, first_hits })
     }
 }
 
 /// What the kernel leaves.
 struct Run {
     sums: Vec<[f32; 4]>,
+    /// Of the last sample, where it is not centres that were asked for.
     centers: Vec<Center>,
+    /// What the samples show first; nothing where nothing asks for it.
+    first_hits: Vec<FirstHits>,
 }
 
 /// The camera at the plane through the scene's centre, or at the eye where that is in front of the plane; and how far that is from the
 /// eye. `None` where the plane's point is so far from the scene that no pixel can show it.
-fn place_camera(camera: &Camera, resolution: [u32; 2], header: &Header) -> Option<(f64, GpuCamera)> {
+fn place_camera(
+    camera: &Camera,
+    resolution: [u32; 2],
+    window: Window,
+    header: &Header,
+) -> Option<(f64, GpuCamera)> {
     let step = header.grid_step;
     let eye = camera.position - DVec3::from_array(header.world_anchor);
     let distance = (-eye.dot(camera.forward)).max(0.0);
@@ -216,9 +240,9 @@ fn place_camera(camera: &Camera, resolution: [u32; 2], header: &Header) -> Optio
         fraction: (center - grid * step).as_vec3().to_array(),
         orthographic: camera.orthographic.into(),
         forward: forward.to_array(),
-        reserved_0: 0,
+        corner: pixel_key(window.left as u32, window.top as u32),
         forward_low: (camera.forward - forward.as_dvec3()).as_vec3().to_array(),
-        reserved_1: 0,
+        window_width: window.width as u32,
         right: (camera.right * (aspect * camera.half_height)).as_vec3().to_array(),
         width: resolution[0],
         up: (camera.up * camera.half_height).as_vec3().to_array(),
