@@ -110,10 +110,6 @@ pub(super) struct Render {
     /// What computes.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
-    #[command(flatten)]
-    pub(super) camera: CameraArguments,
-    #[command(flatten)]
-    pub(super) writing: OutputArguments,
     /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb.
     #[arg(long, value_name = "COLOR", default_value = "1,1,1", value_parser = parse_color, allow_hyphen_values = true)]
     pub(super) background_color: [f32; 3],
@@ -129,6 +125,10 @@ pub(super) struct Render {
     /// Show what something costs instead of what is seen; on the CPU.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) aov: Option<AovChoice>,
+    #[command(flatten)]
+    pub(super) camera: CameraArguments,
+    #[command(flatten)]
+    pub(super) writing: OutputArguments,
 }
 
 /// Imports and preprocesses a model once: a .trimray file opens at once, and every command takes it as INPUT.
