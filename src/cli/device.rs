@@ -84,11 +84,11 @@ impl<'a> Device<'a> {
 
     /// Prepares to answer rays. Only the CPU knows f64.
     pub(super) fn prober<'s>(
-        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "only the GPU may fail here"))] mut self,
+        &mut self,
         scene: Scene<'s>,
         precision: Precision,
         exactness: Exactness,
-    ) -> anyhow::Result<Prober<'a, 's>> {
+    ) -> anyhow::Result<Prober<'_, 'a, 's>> {
         #[cfg(feature = "gpu")]
         let uploaded = match (&self.gpu, precision) {
             (Some(gpu), Precision::F32) => Some(gpu.upload(&scene)),
@@ -152,8 +152,8 @@ impl<'a> Device<'a> {
 }
 
 /// A device that answers rays of one scene.
-pub(super) struct Prober<'a, 's> {
-    device: Device<'a>,
+pub(super) struct Prober<'d, 'a, 's> {
+    device: &'d mut Device<'a>,
     scene: Scene<'s>,
     precision: Precision,
     exactness: Exactness,
@@ -161,7 +161,7 @@ pub(super) struct Prober<'a, 's> {
     uploaded: Option<GpuScene<'s>>,
 }
 
-impl Prober<'_, '_> {
+impl Prober<'_, '_, '_> {
     /// All hits of each ray, nearest first, or only the nearest of each.
     pub(super) fn probe(&mut self, rays: &[Ray], first_only: bool) -> anyhow::Result<Vec<Vec<Hit>>> {
         #[cfg(feature = "gpu")]

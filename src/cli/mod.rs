@@ -6,6 +6,7 @@
 mod args;
 mod args_bench;
 mod args_bench_trim;
+mod args_style;
 mod bake;
 mod bench;
 mod bench_accuracy;
@@ -24,6 +25,7 @@ mod probe;
 mod progress;
 mod render;
 mod report;
+mod style;
 mod tree;
 mod view;
 

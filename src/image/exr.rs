@@ -2,7 +2,7 @@
 //!
 //! Channels, named by layer as compositing tools expect: `R G B A` in half floats (premultiplied, as OpenEXR wants it), `depth.Z` in
 //! millimetres, `normal.X normal.Y normal.Z` in world space, `id.part` and `id.face` as u32 (1 + index, 0 where nothing is hit), and
-//! `trim.tests` as u32 where the film has it.
+//! `trim.tests` as u32 and `edges.A`, what lines cover, in half floats, where the film has them.
 //! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
 
 use super::Film;
@@ -34,6 +34,9 @@ fn encode(film: &Film) -> Result<Vec<u8>, ImageError> {
         ("id.part", FlatSamples::U32(film.part.clone())),
         ("id.face", FlatSamples::U32(film.face.clone())),
     ];
+    if !film.lines.is_empty() {
+        channels.push(("edges.A", FlatSamples::F16(film.lines.iter().map(|&a| f16::from_f32(a)).collect())));
+    }
     if !film.trim_tests.is_empty() {
         channels.push(("trim.tests", FlatSamples::U32(film.trim_tests.clone())));
     }
@@ -61,6 +64,7 @@ mod tests {
     fn film() -> Film {
         let mut film = Film::new(37, 21);
         film.trim_tests = (0..37 * 21).collect();
+        film.lines = (0..37 * 21).map(|i| i as f32 / 777.0).collect();
         for i in 0..film.color.len() {
             let x = i as f32 / 777.0;
             film.color[i] = [x, 1.0 - x, 4.0 * x, 1.0];
@@ -92,7 +96,7 @@ mod tests {
         assert_eq!((layer.size.width(), layer.size.height()), (film.width, film.height));
         assert_eq!(layer.encoding.compression, Compression::ZIP16);
         let channels = &layer.channel_data.list;
-        assert_eq!(channels.len(), 11);
+        assert_eq!(channels.len(), 12);
         for channel in channels {
             let expected = match channel.name.to_string().as_str() {
                 "R" => half(&film, 0),
@@ -105,6 +109,7 @@ mod tests {
                 "normal.Z" => FlatSamples::F32(film.normal.iter().map(|n| n[2]).collect()),
                 "id.part" => FlatSamples::U32(film.part.clone()),
                 "id.face" => FlatSamples::U32(film.face.clone()),
+                "edges.A" => FlatSamples::F16(film.lines.iter().map(|&a| f16::from_f32(a)).collect()),
                 "trim.tests" => FlatSamples::U32(film.trim_tests.clone()),
                 other => panic!("unexpected channel {other}"),
             };

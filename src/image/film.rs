@@ -21,6 +21,8 @@ pub struct Film {
     pub face: Vec<u32>,
     /// Exact odd-even tests that the trims cost; empty unless asked for.
     pub trim_tests: Vec<u32>,
+    /// What lines cover of each pixel, 0 to 1; empty where none are drawn.
+    pub lines: Vec<f32>,
 }
 
 impl Film {
@@ -36,6 +38,18 @@ impl Film {
             part: vec![0; pixels],
             face: vec![0; pixels],
             trim_tests: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// Draws the lines over everything, in one colour (sRGB).
+    pub fn draw_lines(&mut self, srgb: [f32; 3]) {
+        let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
+        for (color, &line) in self.color.iter_mut().zip(&self.lines) {
+            let [red, green, blue] = light;
+            for (channel, over) in color.iter_mut().zip([red, green, blue, 1.0]) {
+                *channel += (over - *channel) * line;
+            }
         }
     }
 

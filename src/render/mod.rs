@@ -5,11 +5,14 @@ pub mod cpu;
 mod framing;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod lines;
 mod options;
 mod ray;
 pub mod reference;
+mod style;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
 pub use options::{Background, Exactness, RenderOptions};
 pub use ray::{Hit, Ray};
+pub use style::Style;

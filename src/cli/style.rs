@@ -1,0 +1,86 @@
+//! From the flags of style and lines to what is done to a picture.
+
+use super::Failure;
+use super::args_style::StyleArguments;
+use super::device::Device;
+use crate::image::Film;
+use crate::render::cpu::Precision;
+use crate::render::lines::{HiddenLines, LineOptions, line_coverage};
+use crate::render::{Background, Camera, Exactness, Style};
+use crate::scene::Scene;
+
+/// What is done to a picture once its faces are rendered.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub(super) style: Style,
+    lines: Option<LineOptions>,
+    line_color: [f32; 3],
+    background: Background,
+}
+
+/// The look that is asked for; `background` where one is asked for by its colour, or by its absence.
+///
+/// # Errors
+///
+/// What is said of lines where none are drawn.
+pub(super) fn look(flags: &StyleArguments, background: Option<Background>) -> Result<Look, Failure> {
+    let about_lines = [
+        ("--edge-width", flags.edge_width.is_some()),
+        ("--edge-color", flags.edge_color.is_some()),
+        ("--no-silhouettes", flags.no_silhouettes),
+        ("--hidden-lines", flags.hidden_lines.is_some()),
+    ];
+    if let (false, Some((flag, _))) = (flags.has_lines(), about_lines.iter().find(|(_, given)| *given)) {
+        let reason = format!(
+            "{flag} is about lines, and none are drawn: add --edges feature, --edges all or a --style"
+        );
+        return Err(Failure::Usage(reason));
+    }
+    let style = Style::from(flags.style);
+    let lines = flags.has_lines().then(|| LineOptions {
+        edges: flags.edges().into(),
+        contours: !flags.no_silhouettes,
+        hidden: flags.hidden_lines.map_or(HiddenLines::Off, HiddenLines::from),
+        width: flags.edge_width.unwrap_or(1.5),
+    });
+    Ok(Look {
+        style,
+        lines,
+        line_color: flags.edge_color.unwrap_or(style.line_color()),
+        background: background.unwrap_or(Background::Color(style.paper())),
+    })
+}
+
+impl Look {
+    /// What the faces are rendered before: nothing where more is laid over them.
+    pub(super) fn rendered_background(&self) -> Background {
+        if self.lines.is_some() || self.style != Style::Shaded {
+            Background::Transparent
+        } else {
+            self.background
+        }
+    }
+
+    /// Recolours faces, draws lines over them and puts the background behind.
+    pub(super) fn finish(
+        &self,
+        scene: &Scene<'_>,
+        camera: &Camera,
+        exactness: Exactness,
+        film: &mut Film,
+        device: &mut Device<'_>,
+    ) -> anyhow::Result<()> {
+        self.style.recolor(film);
+        if let Some(lines) = &self.lines {
+            let mut prober = device.prober(*scene, Precision::F32, exactness)?;
+            film.lines = line_coverage(scene, camera, lines, film, &mut |rays| prober.probe(rays, true))?;
+            film.draw_lines(self.line_color);
+        }
+        if let (Background::Transparent, Background::Color(color)) =
+            (self.rendered_background(), self.background)
+        {
+            film.put_behind(color);
+        }
+        Ok(())
+    }
+}

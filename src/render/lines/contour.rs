@@ -1,0 +1,137 @@
+//! Contours: where one surface ends before another, or before nothing.
+//!
+//! Between neighbouring pixel centres the depth jumps where the hit of one is not explained by the tangent plane of the other, either way. A jump is
+//! halved with exact rays until the place is known to 1/256 of a pixel; what is steep but whole has no jump left by then.
+
+use super::contour_cells::{Crossing, lines_of_cell};
+use super::screen::Screen;
+use super::stroke::Near;
+use super::{Ends, FirstHits};
+use crate::image::Film;
+use crate::render::Ray;
+use glam::{DVec2, DVec3};
+
+/// Halvings of the way between two pixels.
+const HALVINGS: usize = 8;
+
+/// A lesser jump, in widths of a pixel, is none.
+const LEAST_JUMP: f64 = 0.4;
+
+/// Contours this near to a drawn edge, pixels, are its own.
+const ON_EDGE: f64 = 0.4;
+
+/// What is seen at a place of the picture.
+#[derive(Clone, Copy)]
+struct Sight {
+    at: DVec2,
+    ray: Ray,
+    /// Distance along the ray and normal towards the eye.
+    hit: Option<(f64, DVec3)>,
+}
+
+impl Sight {
+    /// How far along `ray` the tangent plane at this hit is.
+    fn plane_along(&self, ray: &Ray) -> Option<f64> {
+        let (t, normal) = self.hit?;
+        let point = self.ray.origin + self.ray.direction * t;
+        Some((point - ray.origin).dot(normal) / ray.direction.dot(normal))
+    }
+}
+
+/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit, 0 where nothing ends.
+fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> f64 {
+    let (Some((t_a, _)), Some((t_b, _))) = (a.hit, b.hit) else {
+        return if a.hit.is_some() == b.hit.is_some() { 0.0 } else { f64::INFINITY };
+    };
+    let misses = |from: &Sight, to: &Sight, t: f64| {
+        from.plane_along(&to.ray).map_or(f64::INFINITY, |explained| (explained - t).abs())
+    };
+    let unexplained = misses(a, b, t_b).min(misses(b, a, t_a));
+    let pixels = unexplained / screen.pixel_size(t_a.min(t_b));
+    if pixels > LEAST_JUMP { pixels } else { 0.0 }
+}
+
+/// The contours of the picture that no drawn edge shows.
+pub(super) fn contours<E>(
+    screen: &Screen<'_>,
+    film: &Film,
+    near: &Near,
+    first_hits: &mut FirstHits<'_, E>,
+) -> Result<Vec<Ends>, E> {
+    let [width, height] = screen.size();
+    let sight = |x: usize, y: usize| {
+        let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = screen.ray(at);
+        let pixel = y * width + x;
+        let hit = (film.face[pixel] != 0).then(|| {
+            let normal = DVec3::from_array(film.normal[pixel].map(f64::from));
+            (f64::from(film.depth[pixel]) / screen.depth_of(&ray), normal)
+        });
+        Sight { at, ray, hit }
+    };
+    // Crossings to the right of each pixel centre, and below it.
+    let mut crossings: [Vec<Option<Crossing>>; 2] = [vec![None; width * height], vec![None; width * height]];
+    let mut open = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let here = sight(x, y);
+            for (side, (dx, dy)) in [(1, 0), (0, 1)].into_iter().enumerate() {
+                if x + dx < width && y + dy < height {
+                    let there = sight(x + dx, y + dy);
+                    if jump(screen, &here, &there) > 0.0 {
+                        open.push((side, y * width + x, here, there));
+                    }
+                }
+            }
+        }
+    }
+    halve(screen, &mut open, first_hits)?;
+    for (side, pixel, a, b) in open {
+        let depth =
+            [a, b].into_iter().filter_map(|sight| sight.hit).map(|hit| hit.0).fold(f64::INFINITY, f64::min);
+        crossings[side][pixel] = Some(Crossing { at: 0.5 * (a.at + b.at), depth });
+    }
+    let mut lines = Vec::new();
+    for y in 0..height.saturating_sub(1) {
+        for x in 0..width.saturating_sub(1) {
+            let pixel = y * width + x;
+            let sides = [
+                crossings[0][pixel],
+                crossings[1][pixel + 1],
+                crossings[0][pixel + width],
+                crossings[1][pixel],
+            ];
+            lines_of_cell(sides, near, &mut lines);
+        }
+    }
+    lines.retain(|&[a, b]| ![a, 0.5 * (a + b), b].iter().all(|&place| near.is_near(place, ON_EDGE)));
+    Ok(lines)
+}
+
+/// Narrows each pair of places down to where the jump is; pairs without one are dropped.
+fn halve<E>(
+    screen: &Screen<'_>,
+    open: &mut Vec<(usize, usize, Sight, Sight)>,
+    first_hits: &mut FirstHits<'_, E>,
+) -> Result<(), E> {
+    for _ in 0..HALVINGS {
+        let middles: Vec<DVec2> = open.iter().map(|(_, _, a, b)| 0.5 * (a.at + b.at)).collect();
+        let rays: Vec<Ray> = middles.iter().map(|&at| screen.ray(at)).collect();
+        let hits = first_hits(&rays)?;
+        let mut kept = Vec::with_capacity(open.len());
+        for (((side, pixel, a, b), at), (ray, hits)) in
+            open.drain(..).zip(middles).zip(rays.into_iter().zip(hits))
+        {
+            let towards_eye = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+            let middle = Sight { at, ray, hit: hits.first().map(|hit| (hit.t, towards_eye(hit.normal))) };
+            // Before it ends a surface may turn away so fast that this looks like a lesser jump.
+            let [first, second] = [jump(screen, &a, &middle), jump(screen, &middle, &b)];
+            if first.max(second) > 0.0 {
+                let (from, to) = if first >= second { (a, middle) } else { (middle, b) };
+                kept.push((side, pixel, from, to));
+            }
+        }
+        *open = kept;
+    }
+    Ok(())
+}

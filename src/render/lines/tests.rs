@@ -1,0 +1,1 @@
+//! Lines against what they are known to cover.

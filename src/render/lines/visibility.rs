@@ -1,0 +1,43 @@
+//! Which steps of edges are seen: the first hit towards the middle of each decides.
+//!
+//! An edge lies on its faces, so that the nearest hit is where the edge is, before or behind it, or one that hides it. A face that hides it is
+//! before it, and the edge is off the face's tangent plane there; a face that the edge lies on, however grazing, has the edge in that plane.
+
+use super::FirstHits;
+use super::screen::Screen;
+use super::steps::Step;
+use crate::scene::Scene;
+
+/// Rays asked at once: little enough memory, enough work for a device.
+const BATCH: usize = 1 << 19;
+
+/// A hit is that of the edge's own place within so many slacks: its own, the edge's, and what both round.
+const SLACKS: f64 = 4.0;
+
+/// What positions round, as a share of the scene's size.
+const ROUNDING: f64 = 1e-6;
+
+/// For each step whether it is visible.
+pub(super) fn visible<E>(
+    scene: &Scene<'_>,
+    screen: &Screen<'_>,
+    steps: &[Step],
+    first_hits: &mut FirstHits<'_, E>,
+) -> Result<Vec<bool>, E> {
+    let rounding = ROUNDING * scene.header.half_size.iter().map(|&x| f64::from(x)).fold(0.0, f64::max);
+    let mut visible = Vec::with_capacity(steps.len());
+    for batch in steps.chunks(BATCH) {
+        let (rays, distances): (Vec<_>, Vec<_>) =
+            batch.iter().map(|step| screen.ray_to(step.middle, step.at)).unzip();
+        let hits = first_hits(&rays)?;
+        for (((step, ray), distance), hits) in batch.iter().zip(&rays).zip(distances).zip(hits) {
+            visible.push(hits.first().is_none_or(|hit| {
+                let slack = step.slack.max(f64::from(scene.faces[hit.face as usize].slack));
+                let tolerance = SLACKS * slack + rounding;
+                let before = distance - hit.t;
+                before <= tolerance || before * hit.normal.dot(ray.direction).abs() <= tolerance
+            }));
+        }
+    }
+    Ok(visible)
+}
