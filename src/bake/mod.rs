@@ -9,6 +9,8 @@ mod binary_tree;
 mod budget;
 mod bvh;
 mod edge_kind;
+#[cfg(test)]
+mod edge_tests;
 mod edges;
 mod elevate;
 mod extent;

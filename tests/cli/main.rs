@@ -1,6 +1,7 @@
 //! The binary as its users meet it: what it prints, what it writes, how it ends.
 
 mod cube;
+mod style;
 
 use assert_cmd::Command;
 use cube::cube;

@@ -4,6 +4,7 @@
 #![cfg(feature = "gpu")]
 
 mod compare;
+mod lines;
 mod synthetic;
 mod trims;
 

@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 const HALVINGS: usize = 8;
 
 /// A lesser jump, in widths of a pixel, is none.
-const LEAST_JUMP: f64 = 0.4;
+const LEAST_JUMP: f64 = 0.2;
 
 /// Contours this near to a drawn edge, pixels, are its own.
 const ON_EDGE: f64 = 0.4;

@@ -4,6 +4,9 @@ use super::Ends;
 use super::stroke::Near;
 use glam::DVec2;
 
+/// How far, pixels, a contour that runs out may end before an edge that it runs into: the jump beside it is too little to be seen.
+const TO_EDGE: f64 = 2.5;
+
 /// A place on a side of a cell where something ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Crossing {
@@ -21,7 +24,7 @@ pub(super) fn lines_of_cell(sides: [Option<Crossing>; 4], near: &Near, lines: &m
     let found: smallvec::SmallVec<[Crossing; 4]> = sides.into_iter().flatten().collect();
     let apart = |i: usize, j: usize| (found[i].depth - found[j].depth).abs();
     match found[..] {
-        [a] => lines.extend(near.nearest(a.at).map(|end| [a.at, end])),
+        [a] => lines.extend(near.nearest(a.at, TO_EDGE).map(|end| [a.at, end])),
         [a, b] => lines.push([a.at, b.at]),
         [..] if found.len() == 3 => {
             let pairs = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];

@@ -55,7 +55,7 @@ fn pixels_near(ends: Ends, reach: f64, [width, height]: [usize; 2]) -> impl Iter
 pub(super) struct Near {
     width: usize,
     height: usize,
-    /// Pixel and piece; sorted by the first query.
+    /// For each pixel the pieces whose middles are in it.
     cells: Vec<Vec<Ends>>,
 }
 
@@ -73,20 +73,21 @@ impl Near {
         }
     }
 
-    /// The place on noted pieces nearest to `place`, of those whose middles are in its pixel or a neighbour.
-    pub(super) fn nearest(&self, place: DVec2) -> Option<DVec2> {
-        let around = pixels_near([place; 2], 1.0, [self.width, self.height]);
+    /// The place on noted pieces nearest to `place`, within `reach`.
+    pub(super) fn nearest(&self, place: DVec2, reach: f64) -> Option<DVec2> {
+        let around = pixels_near([place; 2], reach + 0.5, [self.width, self.height]);
         let pieces = around.flat_map(|(x, y)| &self.cells[y * self.width + x]);
         let places = pieces.map(|&[a, b]| {
             let along = b - a;
             let share = (place - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
             a + along * share.clamp(0.0, 1.0)
         });
-        places.min_by(|a, b| a.distance(place).total_cmp(&b.distance(place)))
+        let nearest = places.min_by(|a, b| a.distance(place).total_cmp(&b.distance(place)));
+        nearest.filter(|nearest| nearest.distance(place) <= reach)
     }
 
-    /// Whether a noted piece is within `reach`, at most a pixel.
+    /// Whether a noted piece is within `reach`.
     pub(super) fn is_near(&self, place: DVec2, reach: f64) -> bool {
-        self.nearest(place).is_some_and(|nearest| nearest.distance(place) <= reach)
+        self.nearest(place, reach).is_some()
     }
 }
