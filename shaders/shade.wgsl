@@ -16,11 +16,13 @@ struct Shaded {
     // The first hit of the ray, and its normal towards the eye; count 0 where nothing is hit.
     first: Collected,
     normal: vec3<f32>,
+    // The plane of the cap that the first hit is, or NO_PLANE.
+    cap: u32,
 }
 
-// The twin's `shade_layers`, `shade_hit` and `openness`. One loop walks the ray and the rays that look for the sky in turn, so that `trace`
-// stands once: a driver copies a function's whole text to each of its calls.
-fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u32, center_only: bool) -> Shaded {
+// The twin's `shade_layers`, `shade_hit` and `openness`. One loop walks the ray, the rays that look for the sky and the ways out of cut bodies in
+// turn, so that `trace` stands once: a driver copies a function's whole text to each of its calls.
+fn shade_layers(lights: Lights, section: Section, pixel_ray: PixelRay, pixel: u32, sample_index: u32, center_only: bool) -> Shaded {
     var shaded: Shaded;
     var ray = pixel_ray.ray;
     var near = pixel_ray.near;
@@ -29,6 +31,20 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
     var layer = 1u;
     var hit: RawHit;
     var n: vec3<f32>;
+    var cap = NO_PLANE;
+    shaded.cap = NO_PLANE;
+    // What the planes leave of the ray, whether a cap may be where that begins, and what is seen if there is none.
+    var way: Kept;
+    var is_pending = false;
+    var found: Collected;
+    if HAS_SECTION {
+        way = kept(section, ray);
+        kept_now = way;
+        let begins = way.plane != NO_PLANE && way.enter > beyond(near, 0.0) && way.enter < way.leave;
+        is_pending = begins && section.caps != 0u;
+        walks = false;
+        settled_count = 0u;
+    }
     while layer <= MAX_LAYERS {
         var seen: Collected;
         seen.far = far;
@@ -37,15 +53,43 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
         if to_sky {
             open = openness(seen);
         } else {
+            cap = NO_PLANE;
+            if HAS_SECTION && is_pending {
+                if walks {
+                    if seen.count != 0u && dot(hit_normal(seen.hit), ray.direction) > 0.0 {
+                        cap = way.plane;
+                        seen.hit.distance = to_pair(way.enter);
+                    } else if seen.count != 0u && settled_count < MAX_SETTLED {
+                        settled[settled_count] = vec2<u32>(seen.hit.instance, faces[seen.hit.face].body);
+                        settled_count += 1u;
+                        near = seen.hit.distance;
+                        continue;
+                    } else {
+                        seen = found;
+                    }
+                    walks = false;
+                    is_pending = false;
+                } else if seen.count == 0u || beyond(seen.hit.distance, 0.0) >= way.enter {
+                    found = seen;
+                    walks = true;
+                    near = to_pair(way.enter + surface_offset());
+                    continue;
+                }
+            }
             if seen.count == 0u {
                 break;
             }
             hit = seen.hit;
-            n = hit_normal(hit);
+            if HAS_SECTION && cap != NO_PLANE {
+                n = section_plane(section, cap).normal;
+            } else {
+                n = hit_normal(hit);
+            }
             n = select(n, -n, dot(n, ray.direction) > 0.0);
             if layer == 1u {
                 shaded.first = seen;
                 shaded.normal = n;
+                shaded.cap = cap;
             }
             if center_only {
                 break;
@@ -55,13 +99,21 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
                 let place = sky_sample(pixel, sample_index);
                 let direction = cosine_direction(n, place.x, place.y);
                 ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
+                if HAS_SECTION {
+                    kept_now = kept(section, ray);
+                }
                 near = Distance(0.0, 0.0);
                 far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
                 continue;
             }
         }
         let material = materials[hit_material(hit)];
-        let lit = shade_surface(lights, n, -pixel_ray.ray.direction, material, open);
+        var lit = shade_surface(lights, n, -pixel_ray.ray.direction, material, open);
+        if HAS_SECTION && cap != NO_PLANE {
+            let origin = grid_position(pixel_ray.ray.grid) + pixel_ray.ray.fraction;
+            let point = origin + pixel_ray.ray.direction * beyond(hit.distance, 0.0);
+            lit *= hatch(section_plane(section, cap), point, hit.instance);
+        }
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
         let left = (1.0 - shaded.color.w) * opacity;
@@ -71,6 +123,7 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, sample_index: u
             break;
         }
         to_sky = false;
+        kept_now = way;
         ray = pixel_ray.ray;
         near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
         far = Distance(0.0, INFINITE);

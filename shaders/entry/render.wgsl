@@ -5,6 +5,7 @@
 struct RenderParameters {
     camera: Camera,
     lights: Lights,
+    section: Section,
     first_pixel: u32,
     pixel_count: u32,
     sample_index: u32,
@@ -17,6 +18,7 @@ struct Center {
     depth: f32,
     // 1 + index; 0 where nothing is hit.
     instance: u32,
+    // 0 at a cap too.
     face: u32,
     // 1 where any of the pixel's kernels ran out of loop turns.
     incomplete: u32,
@@ -28,6 +30,15 @@ struct Center {
 @group(1) @binding(2) var<storage, read_write> centers: array<Center>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
+    if HAS_SECTION {
+        if walks {
+            if !may_cap(hit) {
+                return;
+            }
+        } else if !counts(hit) {
+            return;
+        }
+    }
     if (*collected).count == 0u || comes_before(hit, (*collected).hit) {
         (*collected).hit = hit;
         (*collected).far = hit.distance;
@@ -50,7 +61,7 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = pixel_ray(parameters.camera, place.x, place.y);
     var shaded: Shaded;
     if ray.meets {
-        shaded = shade_layers(parameters.lights, ray, pixel, parameters.sample_index, center_only);
+        shaded = shade_layers(parameters.lights, parameters.section, ray, pixel, parameters.sample_index, center_only);
     }
     colors[id.x] += shaded.color;
     var center = centers[id.x];
@@ -60,7 +71,7 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         center.normal = shaded.normal;
         center.depth = t * dot(ray.ray.direction, parameters.camera.forward);
         center.instance = hit.instance + 1u;
-        center.face = hit.face + 1u;
+        center.face = select(hit.face + 1u, 0u, shaded.cap != NO_PLANE);
     }
     center.incomplete |= u32(was_cut());
     centers[id.x] = center;

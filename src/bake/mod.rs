@@ -54,7 +54,7 @@ use crate::brep::{
     self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
 };
 use crate::numeric::Aabb;
-use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
+use crate::scene::{self, Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
 use crate::trimming::TrimOptions;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -202,6 +202,11 @@ fn bake_parts(
         edges::add(model, &mut scene, &added, &slots, &spaces);
     }
     metadata::report_unplaced(&mut findings, model, &parts);
+    for face in &mut scene.faces {
+        if scene.metadata.bodies[face.body as usize].is_closed {
+            face.flags |= scene::Face::CLOSED;
+        }
+    }
     scene.materials = materials.into_materials();
     let regions = if keep_regions { TrimRegions::new(regions, &scene) } else { TrimRegions::default() };
     if options.trim_method != TrimMethod::PACKED

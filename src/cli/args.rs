@@ -1,6 +1,7 @@
 //! The command line as clap sees it. Flags follow f3d where it has one.
 
 use super::args_bench::Bench;
+use super::args_section::SectionArguments;
 use super::args_style::StyleArguments;
 use crate::render::Exactness;
 use crate::scene::TrimMethod;
@@ -97,6 +98,8 @@ pub(super) struct Render {
     pub(super) view: View,
     #[command(flatten)]
     pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) section: SectionArguments,
     /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb [default: white; blue in the style blueprint].
     #[arg(long, value_name = "COLOR", value_parser = parse_color, allow_hyphen_values = true)]
     pub(super) background_color: Option<[f32; 3]>,
@@ -298,7 +301,7 @@ pub(super) fn parse_counts(text: &str) -> Result<[u32; 3], String> {
     }
 }
 
-fn parse_point(text: &str) -> Result<DVec3, String> {
+pub(super) fn parse_point(text: &str) -> Result<DVec3, String> {
     let mut numbers = text.split(',').map(|n| n.trim().parse::<f64>());
     match (numbers.next(), numbers.next(), numbers.next(), numbers.next()) {
         (Some(Ok(x)), Some(Ok(y)), Some(Ok(z)), None) if [x, y, z].iter().all(|c| c.abs() < 1e15) => {

@@ -6,6 +6,7 @@ use super::device::Device;
 use super::load::{Purpose, load, nothing};
 use super::output::{Output, outputs};
 use super::progress::Progress;
+use super::section;
 use super::style::{Look, look};
 use super::view;
 use crate::render::cpu::render_trim_tests;
@@ -17,6 +18,10 @@ use std::time::Instant;
 
 pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let outputs = outputs(&command.output, &command.inputs)?;
+    if command.aov.is_some() && (command.style.has_lines() || !command.section.section.is_empty()) {
+        let reason = "--aov shows what trims cost: leave out lines, styles and sections".to_owned();
+        return Err(Failure::Usage(reason).into());
+    }
     let choice = match (command.aov, command.device) {
         (Some(_), DeviceChoice::Gpu) => {
             let reason = "--aov trim-tests is counted on the CPU: leave out --device gpu".to_owned();
@@ -55,7 +60,8 @@ fn render_one(
         return Err(nothing(input, &scene, "render").into());
     }
     let materials: Vec<Material> = look.style.materials(scene.materials);
-    let scene = Scene { materials: &materials, ..scene };
+    let instances = section::instances(&command.section, &scene, input)?;
+    let scene = Scene { materials: &materials, instances: &instances, ..scene };
     let camera = view::camera(&command.view, &scene, command.resolution);
     let options = RenderOptions {
         resolution: command.resolution,
@@ -63,6 +69,7 @@ fn render_one(
         background: look.rendered_background(),
         ambient_occlusion: !command.no_ambient_occlusion,
         exactness: command.exactness.into(),
+        section: section::section(&command.section, &scene)?,
     };
     let start = Instant::now();
     let progress = Progress::new(format!("Rendering {}", input.display()), general);
@@ -72,7 +79,7 @@ fn render_one(
         None => device.render(&scene, &camera, &options, &tell)?,
     };
     drop(progress);
-    look.finish(&scene, &camera, options.exactness, &mut film, device)?;
+    look.finish(&scene, &camera, &options, &mut film, device)?;
     log::info!("rendered in {:.2} s", start.elapsed().as_secs_f64());
     output.write(&film)?;
     if let (false, Some(path)) = (general.quiet, output.path()) {

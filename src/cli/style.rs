@@ -6,7 +6,7 @@ use super::device::Device;
 use crate::image::Film;
 use crate::render::cpu::Precision;
 use crate::render::lines::{HiddenLines, LineOptions, line_coverage};
-use crate::render::{Background, Camera, Exactness, Style};
+use crate::render::{Background, Camera, Hit, Ray, RenderOptions, Style, first_in_section};
 use crate::scene::Scene;
 
 /// What is done to a picture once its faces are rendered.
@@ -66,14 +66,24 @@ impl Look {
         &self,
         scene: &Scene<'_>,
         camera: &Camera,
-        exactness: Exactness,
+        options: &RenderOptions,
         film: &mut Film,
         device: &mut Device<'_>,
     ) -> anyhow::Result<()> {
         self.style.recolor(film);
         if let Some(lines) = &self.lines {
-            let mut prober = device.prober(*scene, Precision::F32, exactness)?;
-            film.lines = line_coverage(scene, camera, lines, film, &mut |rays| prober.probe(rays, true))?;
+            let section = &options.section;
+            let mut prober = device.prober(*scene, Precision::F32, options.exactness)?;
+            film.lines = line_coverage(scene, camera, lines, section, film, &mut |rays| {
+                let hits = prober.probe(rays, section.is_empty())?;
+                if section.is_empty() {
+                    return Ok::<_, anyhow::Error>(hits);
+                }
+                let first = |(ray, hits): (&Ray, Vec<Hit>)| {
+                    first_in_section(scene, section, ray, &hits).into_iter().collect()
+                };
+                Ok(rays.iter().zip(hits).map(first).collect())
+            })?;
             film.draw_lines(self.line_color);
         }
         if let (Background::Transparent, Background::Color(color)) =

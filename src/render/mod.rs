@@ -9,10 +9,13 @@ pub mod lines;
 mod options;
 mod ray;
 pub mod reference;
+pub mod section;
+mod sectioned;
 mod style;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
 pub use options::{Background, Exactness, RenderOptions};
 pub use ray::{Hit, Ray};
+pub use sectioned::{CAP, first_in_section};
 pub use style::Style;

@@ -1,5 +1,6 @@
 //! What a picture should look like.
 
+use super::section::Section;
 use crate::image::Film;
 
 /// What stands behind the model.
@@ -47,6 +48,8 @@ pub struct RenderOptions {
     pub ambient_occlusion: bool,
     /// How carefully grazing hits are searched for.
     pub exactness: Exactness,
+    /// What the model is cut down to.
+    pub section: Section,
 }
 
 impl Default for RenderOptions {
@@ -57,6 +60,7 @@ impl Default for RenderOptions {
             background: Background::Color([1.0, 1.0, 1.0]),
             ambient_occlusion: true,
             exactness: Exactness::default(),
+            section: Section::default(),
         }
     }
 }

@@ -15,6 +15,7 @@ use trimray::bake::BakeOptions;
 use trimray::bench::{aimed, chord, edge_points};
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
+use trimray::render::section::Section;
 use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions};
 use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
@@ -67,6 +68,7 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
         background: Background::Transparent,
         ambient_occlusion,
         exactness: Exactness::Exact,
+        section: Section::default(),
     }
 }
 

@@ -1,10 +1,9 @@
 //! Pictures: tiles over threads, samples over pixels.
 
 use super::camera::{pixel_key, pixel_ray, sample_offset};
-use super::hit::hit_normal;
 use super::ray_space::prepare;
-use super::shade::{Lights, Shading, shade_ray};
-use super::trace::first_hit;
+use super::section::{NO_PLANE, first_seen};
+use super::shade::{Shading, seen_normal, shade_ray};
 use crate::image::Film;
 use crate::render::{Camera, RenderOptions};
 use crate::scene::Scene;
@@ -36,7 +35,7 @@ pub fn render(
     let [width, height] = options.resolution.map(|n| n as usize);
     let tiles = height.div_ceil(ROWS_PER_TILE);
     let done = AtomicUsize::new(0);
-    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let shading = Shading::new(scene, camera, options);
     let rows: Vec<Vec<Row>> = (0..tiles)
         .into_par_iter()
         .map(|tile| {
@@ -63,7 +62,7 @@ pub fn render_pixels(
     pixels: &[usize],
     film: &mut Film,
 ) {
-    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let shading = Shading::new(scene, camera, options);
     let width = options.resolution[0] as usize;
     let one = |&pixel: &usize| {
         let (x, y) = (pixel % width, pixel / width);
@@ -104,14 +103,16 @@ fn render_row(shading: &Shading<'_, '_>, camera: &Camera, y: usize, columns: Ran
         let ray = pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5);
         let Some(prepared) = prepare::<f32>(&ray, shading.scene.header) else { continue };
         let exactness = shading.options.exactness;
-        let Some(hit) = first_hit(shading.scene, exactness, &prepared.ray, prepared.near) else { continue };
-        let t = prepared.start + hit.distance.to_f64();
-        let normal = hit_normal(shading.scene, &hit);
+        let mut cut = shading.cut(&prepared);
+        let seen = first_seen(shading.scene, exactness, &prepared.ray, prepared.near, &mut cut);
+        let Some(seen) = seen else { continue };
+        let t = prepared.start + seen.hit.distance.to_f64();
+        let normal = seen_normal(shading, &seen);
         let facing = if normal.dot(prepared.ray.direction) > 0.0 { -normal } else { normal };
         row.depth[place] = (t * ray.direction.dot(camera.forward)) as f32;
         row.normal[place] = facing.to_array();
-        row.part[place] = hit.instance + 1;
-        row.face[place] = hit.face + 1;
+        row.part[place] = seen.hit.instance + 1;
+        row.face[place] = if seen.cap == NO_PLANE { seen.hit.face + 1 } else { 0 };
     }
     row
 }

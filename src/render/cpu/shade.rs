@@ -7,7 +7,10 @@ use super::light::{
     OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
 use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
-use super::trace::{RawHit, first_hit, first_hit_before};
+use super::section::{
+    Cut, NO_PLANE, Seen, WorldSection, counts, first_hit_of, first_seen, hatch, kept, section_plane,
+};
+use super::trace::{RawHit, first_hit_before};
 use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
@@ -35,6 +38,23 @@ pub struct Shading<'a, 's> {
     pub lights: Lights,
     /// How to render.
     pub options: &'a RenderOptions,
+    /// What the scene is cut down to; `None` where nothing is cut.
+    section: Option<WorldSection>,
+}
+
+impl<'a, 's> Shading<'a, 's> {
+    /// Of a scene as a camera sees it.
+    pub fn new(scene: &'a Scene<'s>, camera: &Camera, options: &'a RenderOptions) -> Self {
+        let section =
+            (!options.section.is_empty()).then(|| WorldSection::new(&options.section, scene.header));
+        Self { scene, lights: Lights::from_camera(camera), options, section }
+    }
+
+    /// The way of a ray through the section.
+    pub fn cut(&self, prepared: &PreparedRay<f32>) -> Option<Cut> {
+        let step = self.scene.header.grid_step as f32;
+        self.section.as_ref().map(|section| Cut::new(section, &prepared.ray, prepared.near, step))
+    }
 }
 
 impl Lights {
@@ -62,12 +82,13 @@ fn shade_layers(shading: &Shading<'_, '_>, prepared: &PreparedRay<f32>, pixel: u
     let scene = shading.scene;
     let mut near = prepared.near;
     let mut color = [0.0_f32; 4];
+    let mut cut = shading.cut(prepared);
     for layer in 1..=MAX_LAYERS {
-        let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
-            break;
-        };
+        let seen = first_seen(scene, shading.options.exactness, &prepared.ray, near, &mut cut);
+        let Some(seen) = seen else { break };
+        let hit = seen.hit;
         let material = hit_material(scene, &hit);
-        let lit = shade_hit(shading, &prepared.ray, &hit, &material, pixel, sample);
+        let lit = shade_hit(shading, &prepared.ray, &seen, &material, pixel, sample);
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
         let left = (1.0 - color[3]) * opacity;
@@ -94,24 +115,43 @@ pub fn hit_material(scene: &Scene<'_>, hit: &RawHit<f32>) -> Material {
 }
 
 /// How far from a surface secondary rays start.
-fn surface_offset(scene: &Scene<'_>) -> f32 {
+pub(super) fn surface_offset(scene: &Scene<'_>) -> f32 {
     (scene_radius(scene.header) * SURFACE_OFFSET) as f32
+}
+
+/// The outward normal of what is seen.
+pub fn seen_normal(shading: &Shading<'_, '_>, seen: &Seen) -> Vector3<f32> {
+    match &shading.section {
+        Some(section) if seen.cap != NO_PLANE => section_plane(section, seen.cap).normal,
+        _ => hit_normal(shading.scene, &seen.hit),
+    }
 }
 
 /// The light that an opaque hit sends back along the ray.
 fn shade_hit(
     shading: &Shading<'_, '_>,
     ray: &WorldRay<f32>,
-    hit: &RawHit<f32>,
+    seen: &Seen,
     material: &Material,
     pixel: u32,
     sample: u32,
 ) -> [f32; 3] {
-    let outward = hit_normal(shading.scene, hit);
+    let hit = &seen.hit;
+    let outward = seen_normal(shading, seen);
     let n = if outward.dot(ray.direction) > 0.0 { -outward } else { outward };
     let open =
         if shading.options.ambient_occlusion { openness(shading, ray, hit, n, pixel, sample) } else { 1.0 };
-    shade_surface(&shading.lights, n, -ray.direction, material, open)
+    let lit = shade_surface(&shading.lights, n, -ray.direction, material, open);
+    match &shading.section {
+        Some(section) if seen.cap != NO_PLANE => {
+            let step = shading.scene.header.grid_step as f32;
+            let origin = super::frames::grid_position(ray.grid, step) + ray.fraction;
+            let point = origin + ray.direction * hit.distance.beyond(0.0);
+            let share = hatch(section_plane(section, seen.cap), point, hit.instance);
+            lit.map(|light| light * share)
+        }
+        _ => lit,
+    }
 }
 
 /// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
@@ -167,7 +207,15 @@ fn openness(
     let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
     let near = Distance { anchor: 0.0, offset: 0.0 };
     let far = Distance { anchor: 0.0, offset: radius };
-    let blocked = match first_hit_before(scene, shading.options.exactness, &probe, near, far) {
+    let exactness = shading.options.exactness;
+    let blocker = match &shading.section {
+        None => first_hit_before(scene, exactness, &probe, near, far),
+        Some(section) => {
+            let kept = kept(section, &probe, scene.header.grid_step as f32);
+            first_hit_of(scene, exactness, &probe, near, far, |hit| counts(scene, &kept, hit))
+        }
+    };
+    let blocked = match blocker {
         Some(blocker) => 1.0 - (blocker.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
         None => 0.0,
     };

@@ -6,7 +6,9 @@
 use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
+use crate::render::cpu::section::WorldSection;
 use crate::render::cpu::{self, shade};
+use crate::render::section::MAX_PLANES;
 use crate::render::{Camera, Exactness, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
@@ -42,12 +44,35 @@ struct GpuLights {
     ambient_occlusion: u32,
 }
 
-/// `RenderParameters` of `shaders/entry/render.wgsl`. 160 bytes.
+/// `SectionPlane` of `shaders/section.wgsl`. 48 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct GpuSectionPlane {
+    normal: [f32; 3],
+    offset: f32,
+    hatch_x: [f32; 3],
+    reserved_0: u32,
+    hatch_y: [f32; 3],
+    reserved_1: u32,
+}
+
+/// `Section` of `shaders/section.wgsl`. 304 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct GpuSection {
+    planes: [GpuSectionPlane; MAX_PLANES],
+    count: u32,
+    caps: u32,
+    reserved: [u32; 2],
+}
+
+/// `RenderParameters` of `shaders/entry/render.wgsl`. 464 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct RenderParameters {
     camera: GpuCamera,
     lights: GpuLights,
+    section: GpuSection,
     first_pixel: u32,
     pixel_count: u32,
     sample_index: u32,
@@ -94,6 +119,7 @@ impl Gpu {
             let parameters = RenderParameters {
                 camera: placed,
                 lights: gpu_lights(&shade::Lights::from_camera(camera), options),
+                section: gpu_section(&WorldSection::new(&options.section, scene.scene.header)),
                 first_pixel: first as u32,
                 pixel_count: MOST_ELEMENTS.min(film.color.len() - first) as u32,
                 sample_index: 0,
@@ -113,7 +139,7 @@ impl Gpu {
             let given_up = (first..).zip(&tile.centers).filter(|(_, center)| center.incomplete != 0);
             let given_up: Vec<usize> = given_up.map(|(pixel, _)| pixel).collect();
             for (pixel, center) in (first..).zip(&tile.centers) {
-                if center.face != 0 {
+                if center.instance != 0 {
                     film.depth[pixel] = (eye_distance + f64::from(center.depth)) as f32;
                     film.normal[pixel] = center.normal;
                     film.part[pixel] = center.instance;
@@ -138,7 +164,7 @@ impl Gpu {
         let count = parameters.pixel_count;
         let colors = self.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = self.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = self.pipeline(Entry::Render, scene, exactness, lanes)?;
+        let pipeline = self.pipeline(Entry::Render, scene, exactness, parameters.section.count > 0, lanes)?;
         // The last one tells what the pixels' centres show.
         for sample in 0..=parameters.samples {
             parameters.sample_index = sample;
@@ -203,5 +229,25 @@ fn gpu_lights(lights: &shade::Lights, options: &RenderOptions) -> GpuLights {
         reserved_1: 0,
         up: lights.up.to_array(),
         ambient_occlusion: options.ambient_occlusion.into(),
+    }
+}
+
+fn gpu_section(section: &WorldSection) -> GpuSection {
+    let plane = |index: usize| {
+        let plane = &section.planes[index];
+        GpuSectionPlane {
+            normal: plane.normal.to_array(),
+            offset: plane.offset,
+            hatch_x: plane.hatch_x.to_array(),
+            reserved_0: 0,
+            hatch_y: plane.hatch_y.to_array(),
+            reserved_1: 0,
+        }
+    };
+    GpuSection {
+        planes: std::array::from_fn(plane),
+        count: section.count,
+        caps: section.caps.into(),
+        reserved: [0; 2],
     }
 }

@@ -9,6 +9,7 @@ use super::stroke::Near;
 use super::{Ends, FirstHits};
 use crate::image::Film;
 use crate::render::Ray;
+use crate::render::sectioned::CAP;
 use glam::{DVec2, DVec3};
 
 /// Halvings of the way between two pixels.
@@ -27,6 +28,8 @@ struct Sight {
     ray: Ray,
     /// Distance along the ray and normal towards the eye.
     hit: Option<(f64, DVec3)>,
+    /// 1 + the instance whose cap is seen; 0 where it is none.
+    cap: u32,
 }
 
 impl Sight {
@@ -38,11 +41,14 @@ impl Sight {
     }
 }
 
-/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit, 0 where nothing ends.
+/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit and as good as infinite where a cap ends, 0 where nothing does.
 fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> f64 {
     let (Some((t_a, _)), Some((t_b, _))) = (a.hit, b.hit) else {
         return if a.hit.is_some() == b.hit.is_some() { 0.0 } else { f64::INFINITY };
     };
+    if a.cap != b.cap {
+        return f64::MAX;
+    }
     let misses = |from: &Sight, to: &Sight, t: f64| {
         from.plane_along(&to.ray).map_or(f64::INFINITY, |explained| (explained - t).abs())
     };
@@ -63,11 +69,12 @@ pub(super) fn contours<E>(
         let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let ray = screen.ray(at);
         let pixel = y * width + x;
-        let hit = (film.face[pixel] != 0).then(|| {
+        let hit = (film.part[pixel] != 0).then(|| {
             let normal = DVec3::from_array(film.normal[pixel].map(f64::from));
             (f64::from(film.depth[pixel]) / screen.depth_of(&ray), normal)
         });
-        Sight { at, ray, hit }
+        let cap = if film.face[pixel] == 0 { film.part[pixel] } else { 0 };
+        Sight { at, ray, hit, cap }
     };
     // Crossings to the right of each pixel centre, and below it.
     let mut crossings: [Vec<Option<Crossing>>; 2] = [vec![None; width * height], vec![None; width * height]];
@@ -123,7 +130,9 @@ fn halve<E>(
             open.drain(..).zip(middles).zip(rays.into_iter().zip(hits))
         {
             let towards_eye = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            let middle = Sight { at, ray, hit: hits.first().map(|hit| (hit.t, towards_eye(hit.normal))) };
+            let hit = hits.first();
+            let cap = hit.filter(|hit| hit.face == CAP).map_or(0, |hit| hit.instance + 1);
+            let middle = Sight { at, ray, hit: hit.map(|hit| (hit.t, towards_eye(hit.normal))), cap };
             // Before it ends a surface may turn away so fast that this looks like a lesser jump.
             let [first, second] = [jump(screen, &a, &middle), jump(screen, &middle, &b)];
             if first.max(second) > 0.0 {

@@ -20,9 +20,10 @@ mod visibility;
 
 use self::screen::Screen;
 use self::stroke::{Mask, Near};
+use super::section::Section;
 use super::{Camera, Hit, Ray};
 use crate::image::Film;
-use crate::scene::Scene;
+use crate::scene::{Instance, Scene};
 use glam::DVec2;
 
 /// Which edges are drawn.
@@ -67,7 +68,7 @@ const DIM: f32 = 0.45;
 /// Dash and gap, in widths of visible lines, or in pixels where lines are finer.
 const DASHES: [f64; 2] = [4.0, 3.0];
 
-/// Answers rays with the first hit of each, if any: a device.
+/// Answers rays with the first hit of each, if any; where there is a section, with all that is met in it: a device.
 pub type FirstHits<'a, E> = dyn FnMut(&[Ray]) -> Result<Vec<Vec<Hit>>, E> + 'a;
 
 /// What the lines of a scene cover of each pixel of `film`, which shows the scene from `camera`; 0 to 1, top row first.
@@ -79,13 +80,19 @@ pub fn line_coverage<E>(
     scene: &Scene<'_>,
     camera: &Camera,
     options: &LineOptions,
+    section: &Section,
     film: &Film,
     first_hits: &mut FirstHits<'_, E>,
 ) -> Result<Vec<f32>, E> {
     let screen = Screen::new(camera, [film.width, film.height]);
     let mut mask = Mask::new(film.width, film.height);
     let mut near = Near::new(film.width, film.height);
-    let steps = steps::steps(scene, &screen, options);
+    let mut steps = steps::steps(scene, &screen, options);
+    let margin = visibility::rounding(scene);
+    steps.retain(|step| {
+        let is_uncut = scene.instances[step.instance as usize].flags & Instance::UNCUT != 0;
+        is_uncut || section.keeps(step.middle, margin)
+    });
     let visible = visibility::visible(scene, &screen, &steps, first_hits)?;
     for (step, visible) in steps.iter().zip(&visible) {
         if *visible {

@@ -27,6 +27,8 @@ pub(super) struct Step {
     pub(super) along: f64,
     /// How far, millimetres, the edge's faces may be from the edge.
     pub(super) slack: f64,
+    /// Index of the instance.
+    pub(super) instance: u32,
 }
 
 /// A piece of an edge in model space: homogeneous control points.
@@ -46,7 +48,8 @@ pub(super) fn steps(scene: &Scene<'_>, screen: &Screen<'_>, options: &LineOption
     let of_instance = |index: usize| {
         let place = Place::new(scene, index);
         let pieces = by_part[scene.instances[index].part as usize].par_chunk_by(|a, b| a.edge == b.edge);
-        pieces.flat_map_iter(move |edge| of_edge(scene, screen, &place, edge)).collect::<Vec<_>>()
+        let steps = pieces.flat_map_iter(|edge| of_edge(scene, screen, &place, edge));
+        steps.map(|step| Step { instance: index as u32, ..step }).collect::<Vec<_>>()
     };
     (0..scene.instances.len()).into_par_iter().flat_map_iter(of_instance).collect()
 }
@@ -157,7 +160,7 @@ fn stretch(
         let next = at(i as f64 + 1.0).map(|(_, at)| at);
         if let (Some(a), Some(b), Some((middle, at))) = (end, next, at(i as f64 + 0.5)) {
             let along = *along + length.length() * (i as f64 + 0.5) / count;
-            steps.push(Step { ends: [a, b], middle, at, along, slack });
+            steps.push(Step { ends: [a, b], middle, at, along, slack, instance: 0 });
         }
         end = next;
     }

@@ -145,8 +145,12 @@ fn lines_do_not_depend_on_threads_and_hidden_ones_are_fainter() {
     let draw = |hidden, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let options = LineOptions { hidden, ..options(EdgeChoice::Feature) };
-        pool.install(|| line_coverage(&scene, &camera, &options, &film, &mut |rays| first_hits(&scene, rays)))
-            .expect("no device fails")
+        pool.install(|| {
+            line_coverage(&scene, &camera, &options, &Section::default(), &film, &mut |rays| {
+                first_hits(&scene, rays)
+            })
+        })
+        .expect("no device fails")
     };
     let sum = |lines: &[f32]| -> f64 { lines.iter().map(|&c| f64::from(c)).sum() };
     let [off, dim, dashed] =

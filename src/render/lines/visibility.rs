@@ -24,7 +24,7 @@ pub(super) fn visible<E>(
     steps: &[Step],
     first_hits: &mut FirstHits<'_, E>,
 ) -> Result<Vec<bool>, E> {
-    let rounding = ROUNDING * scene.header.half_size.iter().map(|&x| f64::from(x)).fold(0.0, f64::max);
+    let rounding = rounding(scene);
     let mut visible = Vec::with_capacity(steps.len());
     for batch in steps.chunks(BATCH) {
         let (rays, distances): (Vec<_>, Vec<_>) =
@@ -32,7 +32,9 @@ pub(super) fn visible<E>(
         let hits = first_hits(&rays)?;
         for (((step, ray), distance), hits) in batch.iter().zip(&rays).zip(distances).zip(hits) {
             visible.push(hits.first().is_none_or(|hit| {
-                let slack = step.slack.max(f64::from(scene.faces[hit.face as usize].slack));
+                let slack = step
+                    .slack
+                    .max(scene.faces.get(hit.face as usize).map_or(0.0, |face| f64::from(face.slack)));
                 let tolerance = SLACKS * slack + rounding;
                 let before = distance - hit.t;
                 before <= tolerance || before * hit.normal.dot(ray.direction).abs() <= tolerance
@@ -40,4 +42,9 @@ pub(super) fn visible<E>(
         }
     }
     Ok(visible)
+}
+
+/// What positions in the scene round, millimetres.
+pub(super) fn rounding(scene: &Scene<'_>) -> f64 {
+    ROUNDING * scene.header.half_size.iter().map(|&x| f64::from(x)).fold(0.0, f64::max)
 }
