@@ -61,7 +61,7 @@ fn kept(section: Section, ray: WorldRay) -> Kept {
     return result;
 }
 
-fn counts(hit: RawHit) -> bool {
+fn is_kept(hit: RawHit) -> bool {
     let distance = beyond(hit.distance, 0.0);
     return is_uncut(hit) || (distance >= kept_now.enter && distance <= kept_now.leave);
 }
@@ -88,9 +88,13 @@ fn to_pair(t: f32) -> Distance {
     return Distance(anchor, t - anchor);
 }
 
-fn hatch(plane: SectionPlane, point: vec3<f32>, instance: u32) -> f32 {
+fn hatch_place(plane: SectionPlane, point: vec3<f32>, instance: u32) -> f32 {
     var turns_of_hatch = HATCH_TURNS;
     let turn = turns_of_hatch[instance % HATCH_TURN_COUNT];
-    let across = dot(point, plane.hatch_x) * turn.x + dot(point, plane.hatch_y) * turn.y;
+    return dot(point, plane.hatch_x) * turn.x + dot(point, plane.hatch_y) * turn.y;
+}
+
+fn hatch(plane: SectionPlane, point: vec3<f32>, instance: u32) -> f32 {
+    let across = hatch_place(plane, point, instance);
     return select(1.0, HATCH_LIGHT, across - floor(across) < HATCH_SHARE);
 }

@@ -35,7 +35,7 @@ fn accept(collected: ptr<function, Collected>, hit: RawHit) {
             if !may_cap(hit) {
                 return;
             }
-        } else if !counts(hit) {
+        } else if !is_kept(hit) {
             return;
         }
     }

@@ -62,14 +62,15 @@ fn render_one(
     let materials: Vec<Material> = look.style.materials(scene.materials);
     let instances = section::instances(&command.section, &scene, input)?;
     let scene = Scene { materials: &materials, instances: &instances, ..scene };
-    let camera = view::camera(&command.view, &scene, command.resolution);
+    let section = section::section(&command.section, &scene)?;
+    let camera = view::camera(&command.view, &scene, &section, command.resolution);
     let options = RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
         background: look.rendered_background(),
         ambient_occlusion: !command.no_ambient_occlusion,
         exactness: command.exactness.into(),
-        section: section::section(&command.section, &scene)?,
+        section,
     };
     let start = Instant::now();
     let progress = Progress::new(format!("Rendering {}", input.display()), general);

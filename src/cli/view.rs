@@ -1,11 +1,12 @@
 //! From the camera flags to a camera.
 
 use super::args::View;
+use crate::render::section::Section;
 use crate::render::{Camera, Viewpoint};
 use crate::scene::Scene;
 
-/// The camera for pictures of the resolution.
-pub(super) fn camera(view: &View, scene: &Scene<'_>, [width, height]: [u32; 2]) -> Camera {
+/// The camera for pictures of a section in the resolution.
+pub(super) fn camera(view: &View, scene: &Scene<'_>, section: &Section, [width, height]: [u32; 2]) -> Camera {
     let viewpoint = Viewpoint {
         up: view.up,
         direction: view.camera_direction,
@@ -14,5 +15,5 @@ pub(super) fn camera(view: &View, scene: &Scene<'_>, [width, height]: [u32; 2]) 
         view_angle: view.camera_view_angle.to_radians(),
         orthographic: view.camera_orthographic,
     };
-    Camera::framing(&viewpoint, scene, f64::from(width) / f64::from(height))
+    Camera::framing_section(&viewpoint, scene, section, f64::from(width) / f64::from(height))
 }

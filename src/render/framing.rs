@@ -4,6 +4,8 @@
 //! at twice: coarsely by the camera of the box, then by a camera around the points that were seen.
 
 use super::cpu::{Precision, probe};
+use super::section::Section;
+use super::sectioned::first_in_section;
 use super::{Camera, Ray, Viewpoint};
 use crate::numeric::Aabb;
 use crate::scene::Scene;
@@ -16,11 +18,16 @@ impl Camera {
     /// The camera for pictures of the scene that are `aspect` times as wide as high. Where the viewpoint says itself where to look or to stand,
     /// it is taken at its word and the scene's box decides the rest.
     pub fn framing(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
+        Self::framing_section(view, scene, &Section::default(), aspect)
+    }
+
+    /// [`Self::framing`] for pictures of a section.
+    pub fn framing_section(view: &Viewpoint, scene: &Scene<'_>, section: &Section, aspect: f64) -> Self {
         let by_box = Self::new(view, &bounds(scene).corners(), aspect);
         if view.position.is_some() || view.focal_point.is_some() {
             return by_box;
         }
-        let seen = visible_points(scene, &by_box, aspect);
+        let seen = visible_points(scene, section, &by_box, aspect);
         if seen.is_empty() { by_box } else { Self::new(view, &seen, aspect) }
     }
 }
@@ -33,7 +40,7 @@ pub fn bounds(scene: &Scene<'_>) -> Aabb {
 }
 
 /// Where a coarse grid of the camera's rays first meets the scene.
-fn visible_points(scene: &Scene<'_>, camera: &Camera, aspect: f64) -> Vec<DVec3> {
+fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect: f64) -> Vec<DVec3> {
     let width = (COARSE * aspect.min(1.0)).ceil().max(1.0);
     let height = (COARSE / aspect.max(1.0)).ceil().max(1.0);
     let at = |i: usize, count: f64| (2 * i + 1) as f64 / count - 1.0;
@@ -41,8 +48,10 @@ fn visible_points(scene: &Scene<'_>, camera: &Camera, aspect: f64) -> Vec<DVec3>
         .flat_map(|row| (0..width as usize).map(move |column| (column, row)))
         .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
         .collect();
-    let hits = probe(scene, &rays, Precision::F32, true);
-    let point =
-        |(ray, hits): (&Ray, &Vec<super::Hit>)| hits.first().map(|hit| ray.origin + ray.direction * hit.t);
+    let hits = probe(scene, &rays, Precision::F32, section.is_empty());
+    let point = |(ray, hits): (&Ray, &Vec<super::Hit>)| {
+        let hit = first_in_section(scene, section, ray, hits);
+        hit.map(|hit| ray.origin + ray.direction * hit.t)
+    };
     rays.iter().zip(&hits).filter_map(point).collect()
 }

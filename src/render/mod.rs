@@ -10,6 +10,8 @@ mod options;
 mod ray;
 pub mod reference;
 pub mod section;
+#[cfg(test)]
+mod section_tests;
 mod sectioned;
 mod style;
 

@@ -29,17 +29,22 @@ pub fn first_in_section(scene: &Scene<'_>, section: &Section, ray: &Ray, hits: &
     let first = hits.iter().find(is_seen).copied();
     let normal = normal.filter(|_| section.caps && enter > 0.0 && enter < leave);
     let (Some(normal), false) = (normal, first.is_some_and(|hit| hit.t < enter)) else { return first };
-    let mut settled: Vec<[u32; 2]> = Vec::new();
+    // A point is in a body that the ray leaves once more than it enters it.
+    let mut bodies: Vec<(u32, u32, i32)> = Vec::new();
     for hit in hits.iter().filter(|hit| hit.t > enter + ON_PLANE * size && !is_uncut(hit)) {
         let face = &scene.faces[hit.face as usize];
-        let body = [hit.instance, face.body];
-        if face.flags & Face::CLOSED == 0 || settled.contains(&body) {
+        if face.flags & Face::CLOSED == 0 {
             continue;
         }
-        if hit.normal.dot(ray.direction) > 0.0 {
-            return Some(Hit { t: enter, normal, uv: [0.0; 2], face: CAP, instance: hit.instance });
+        let leaves = if hit.normal.dot(ray.direction) > 0.0 { 1 } else { -1 };
+        match bodies.iter_mut().find(|body| (body.0, body.1) == (hit.instance, face.body)) {
+            Some(body) => body.2 += leaves,
+            None => bodies.push((hit.instance, face.body, leaves)),
         }
-        settled.push(body);
     }
-    first
+    let inside = bodies.into_iter().find(|body| body.2 > 0);
+    match inside {
+        Some((instance, ..)) => Some(Hit { t: enter, normal, uv: [0.0; 2], face: CAP, instance }),
+        None => first,
+    }
 }

@@ -1,6 +1,7 @@
 //! The binary as its users meet it: what it prints, what it writes, how it ends.
 
 mod cube;
+mod section;
 mod style;
 
 use assert_cmd::Command;

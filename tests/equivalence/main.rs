@@ -5,6 +5,7 @@
 
 mod compare;
 mod lines;
+mod sections;
 mod synthetic;
 mod trims;
 

@@ -132,7 +132,7 @@ pub fn kept(section: &WorldSection, ray: &WorldRay<f32>, step: f32) -> Kept {
 }
 
 /// Whether a hit is seen: it is kept, or its instance is uncut.
-pub fn counts(scene: &Scene<'_>, kept: &Kept, hit: &RawHit<f32>) -> bool {
+pub fn is_kept(scene: &Scene<'_>, kept: &Kept, hit: &RawHit<f32>) -> bool {
     let distance = hit.distance.beyond(0.0);
     is_uncut(scene, hit) || (distance >= kept.enter && distance <= kept.leave)
 }
@@ -220,7 +220,7 @@ pub fn first_seen(
     let seen = |hit| Seen { hit, cap: NO_PLANE };
     let Some(cut) = cut else { return first_hit(scene, exactness, ray, near).map(seen) };
     let found =
-        first_hit_of(scene, exactness, ray, near, Distance::INFINITE, |hit| counts(scene, &cut.kept, hit));
+        first_hit_of(scene, exactness, ray, near, Distance::INFINITE, |hit| is_kept(scene, &cut.kept, hit));
     let is_before = |hit: RawHit<f32>| hit.distance.beyond(0.0) < cut.kept.enter;
     if cut.is_pending && !found.is_some_and(is_before) {
         cut.is_pending = false;
@@ -231,9 +231,14 @@ pub fn first_seen(
     found.map(seen)
 }
 
-/// The share of its light that a cap keeps at a point of world space: hatch lines, turned from instance to instance.
-pub fn hatch(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
+/// How many hatch lines a point of world space is from the first: whole numbers where lines begin. Turned from instance to instance.
+pub fn hatch_place(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
     let [cos, sin] = HATCH_TURNS[instance as usize % HATCH_TURNS.len()];
-    let across = point.dot(plane.hatch_x) * cos + point.dot(plane.hatch_y) * sin;
+    point.dot(plane.hatch_x) * cos + point.dot(plane.hatch_y) * sin
+}
+
+/// The share of its light that a cap keeps at a point of world space, on and between hatch lines.
+pub fn hatch(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
+    let across = hatch_place(plane, point, instance);
     if across - across.floor() < HATCH_SHARE { HATCH_LIGHT } else { 1.0 }
 }

@@ -8,7 +8,7 @@ use super::light::{
 };
 use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
 use super::section::{
-    Cut, NO_PLANE, Seen, WorldSection, counts, first_hit_of, first_seen, hatch, kept, section_plane,
+    Cut, NO_PLANE, Seen, WorldSection, first_hit_of, first_seen, hatch, is_kept, kept, section_plane,
 };
 use super::trace::{RawHit, first_hit_before};
 use super::vector::{Vector3, vec3};
@@ -212,7 +212,7 @@ fn openness(
         None => first_hit_before(scene, exactness, &probe, near, far),
         Some(section) => {
             let kept = kept(section, &probe, scene.header.grid_step as f32);
-            first_hit_of(scene, exactness, &probe, near, far, |hit| counts(scene, &kept, hit))
+            first_hit_of(scene, exactness, &probe, near, far, |hit| is_kept(scene, &kept, hit))
         }
     };
     let blocked = match blocker {

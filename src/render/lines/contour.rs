@@ -11,6 +11,8 @@ use crate::image::Film;
 use crate::render::Ray;
 use crate::render::sectioned::CAP;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Halvings of the way between two pixels.
 const HALVINGS: usize = 8;
@@ -76,68 +78,80 @@ pub(super) fn contours<E>(
         let cap = if film.face[pixel] == 0 { film.part[pixel] } else { 0 };
         Sight { at, ray, hit, cap }
     };
-    // Crossings to the right of each pixel centre, and below it.
-    let mut crossings: [Vec<Option<Crossing>>; 2] = [vec![None; width * height], vec![None; width * height]];
-    let mut open = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
-            let here = sight(x, y);
-            for (side, (dx, dy)) in [(1, 0), (0, 1)].into_iter().enumerate() {
-                if x + dx < width && y + dy < height {
-                    let there = sight(x + dx, y + dy);
-                    if jump(screen, &here, &there) > 0.0 {
-                        open.push((side, y * width + x, here, there));
-                    }
-                }
-            }
-        }
-    }
+    let in_row = |y: usize| {
+        let pairs = (0..width)
+            .flat_map(move |x| [(Side::Right, x + 1, y), (Side::Below, x, y + 1)].map(|to| (x, to)));
+        let inside = pairs.filter(move |(_, (_, x, y))| *x < width && *y < height);
+        inside.filter_map(move |(x, (side, to_x, to_y))| {
+            let (from, to) = (sight(x, y), sight(to_x, to_y));
+            (jump(screen, &from, &to) > 0.0).then_some(Open { side, pixel: y * width + x, from, to })
+        })
+    };
+    let mut open: Vec<Open> = (0..height).into_par_iter().flat_map_iter(in_row).collect();
     halve(screen, &mut open, first_hits)?;
-    for (side, pixel, a, b) in open {
-        let depth =
-            [a, b].into_iter().filter_map(|sight| sight.hit).map(|hit| hit.0).fold(f64::INFINITY, f64::min);
-        crossings[side][pixel] = Some(Crossing { at: 0.5 * (a.at + b.at), depth });
-    }
+    let crossings: HashMap<(Side, usize), Crossing> = open.iter().map(Open::crossing).collect();
+    // The cells on both sides of each crossing, by their upper left pixel.
+    let mut cells: Vec<usize> = open
+        .iter()
+        .flat_map(|open| match open.side {
+            Side::Right => [Some(open.pixel), open.pixel.checked_sub(width)],
+            Side::Below => [Some(open.pixel), (open.pixel % width).checked_sub(1).map(|_| open.pixel - 1)],
+        })
+        .flatten()
+        .filter(|cell| cell % width + 1 < width && cell / width + 1 < height)
+        .collect();
+    cells.sort_unstable();
+    cells.dedup();
     let mut lines = Vec::new();
-    for y in 0..height.saturating_sub(1) {
-        for x in 0..width.saturating_sub(1) {
-            let pixel = y * width + x;
-            let sides = [
-                crossings[0][pixel],
-                crossings[1][pixel + 1],
-                crossings[0][pixel + width],
-                crossings[1][pixel],
-            ];
-            lines_of_cell(sides, near, &mut lines);
-        }
+    for cell in cells {
+        let sides =
+            [(Side::Right, cell), (Side::Below, cell + 1), (Side::Right, cell + width), (Side::Below, cell)];
+        lines_of_cell(sides.map(|side| crossings.get(&side).copied()), near, &mut lines);
     }
     lines.retain(|&[a, b]| ![a, 0.5 * (a + b), b].iter().all(|&place| near.is_near(place, ON_EDGE)));
     Ok(lines)
 }
 
+/// Which neighbour of a pixel.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Side {
+    Right,
+    Below,
+}
+
+/// Two places between which something ends, on the way from a pixel to its neighbour.
+struct Open {
+    side: Side,
+    pixel: usize,
+    from: Sight,
+    to: Sight,
+}
+
+impl Open {
+    fn crossing(&self) -> ((Side, usize), Crossing) {
+        let distances = [self.from, self.to].into_iter().filter_map(|sight| sight.hit).map(|hit| hit.0);
+        let depth = distances.fold(f64::INFINITY, f64::min);
+        ((self.side, self.pixel), Crossing { at: 0.5 * (self.from.at + self.to.at), depth })
+    }
+}
+
 /// Narrows each pair of places down to where the jump is; pairs without one are dropped.
-fn halve<E>(
-    screen: &Screen<'_>,
-    open: &mut Vec<(usize, usize, Sight, Sight)>,
-    first_hits: &mut FirstHits<'_, E>,
-) -> Result<(), E> {
+fn halve<E>(screen: &Screen<'_>, open: &mut Vec<Open>, first_hits: &mut FirstHits<'_, E>) -> Result<(), E> {
     for _ in 0..HALVINGS {
-        let middles: Vec<DVec2> = open.iter().map(|(_, _, a, b)| 0.5 * (a.at + b.at)).collect();
+        let middles: Vec<DVec2> = open.iter().map(|open| 0.5 * (open.from.at + open.to.at)).collect();
         let rays: Vec<Ray> = middles.iter().map(|&at| screen.ray(at)).collect();
         let hits = first_hits(&rays)?;
         let mut kept = Vec::with_capacity(open.len());
-        for (((side, pixel, a, b), at), (ray, hits)) in
-            open.drain(..).zip(middles).zip(rays.into_iter().zip(hits))
-        {
+        for ((open, at), (ray, hits)) in open.drain(..).zip(middles).zip(rays.into_iter().zip(hits)) {
             let towards_eye = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             let hit = hits.first();
             let cap = hit.filter(|hit| hit.face == CAP).map_or(0, |hit| hit.instance + 1);
             let middle = Sight { at, ray, hit: hit.map(|hit| (hit.t, towards_eye(hit.normal))), cap };
             // Before it ends a surface may turn away so fast that this looks like a lesser jump.
-            let [first, second] = [jump(screen, &a, &middle), jump(screen, &middle, &b)];
+            let [first, second] = [jump(screen, &open.from, &middle), jump(screen, &middle, &open.to)];
             if first.max(second) > 0.0 {
-                let (from, to) = if first >= second { (a, middle) } else { (middle, b) };
-                kept.push((side, pixel, from, to));
+                let (from, to) = if first >= second { (open.from, middle) } else { (middle, open.to) };
+                kept.push(Open { from, to, ..open });
             }
         }
         *open = kept;

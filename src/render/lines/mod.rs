@@ -11,6 +11,7 @@
 
 mod contour;
 mod contour_cells;
+mod hatch;
 mod screen;
 mod steps;
 mod stroke;
@@ -61,7 +62,7 @@ pub struct LineOptions {
     pub width: f64,
 }
 
-/// The width of hidden lines, as a share of that of visible ones.
+/// The width of hidden lines and of hatch lines, as a share of that of visible ones.
 const HIDDEN_WIDTH: f64 = 0.6;
 /// What a dim line covers of what it passes over.
 const DIM: f32 = 0.45;
@@ -104,6 +105,9 @@ pub fn line_coverage<E>(
         for ends in contour::contours(&screen, film, &near, first_hits)? {
             mask.add(ends, options.width);
         }
+    }
+    if section.caps && !section.is_empty() {
+        hatch::add_hatches(scene, section, &screen, film, HIDDEN_WIDTH * options.width, &mut mask);
     }
     if options.hidden != HiddenLines::Off {
         let mut hidden = Mask::new(film.width, film.height);

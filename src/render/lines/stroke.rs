@@ -6,6 +6,7 @@
 use super::Ends;
 use super::steps::distance_to;
 use glam::DVec2;
+use std::collections::HashMap;
 
 /// What lines cover of each pixel.
 pub(super) struct Mask {
@@ -21,13 +22,15 @@ impl Mask {
 
     /// Draws a straight piece with round ends.
     pub(super) fn add(&mut self, ends: Ends, width: f64) {
-        let half = 0.5 * width;
-        for (x, y) in pixels_near(ends, half + 0.5, [self.width, self.height]) {
+        for (x, y) in pixels_near(ends, 0.5 * width + 0.5, [self.width, self.height]) {
             let distance = distance_to(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), ends);
-            let covered = (distance + half).min(0.5) - (distance - half).max(-0.5);
-            let pixel = &mut self.coverage[y * self.width + x];
-            *pixel = pixel.max(covered as f32);
+            self.cover(y * self.width + x, box_coverage(distance, width) as f32);
         }
+    }
+
+    /// Covers a pixel at least so much.
+    pub(super) fn cover(&mut self, pixel: usize, covered: f32) {
+        self.coverage[pixel] = self.coverage[pixel].max(covered);
     }
 
     /// Takes for each pixel what covers more of it: this, or the given share of `other`.
@@ -40,6 +43,12 @@ impl Mask {
     pub(super) fn into_coverage(self) -> Vec<f32> {
         self.coverage
     }
+}
+
+/// What a line covers of a box as wide as a pixel across it, whose middle is at `distance` from that of the line.
+pub(super) fn box_coverage(distance: f64, width: f64) -> f64 {
+    let half = 0.5 * width;
+    ((distance + half).min(0.5) - (distance - half).max(-0.5)).max(0.0)
 }
 
 /// The pixels whose centres may be within `reach` of a straight piece.
@@ -56,12 +65,12 @@ pub(super) struct Near {
     width: usize,
     height: usize,
     /// For each pixel the pieces whose middles are in it.
-    cells: Vec<Vec<Ends>>,
+    cells: HashMap<usize, Vec<Ends>>,
 }
 
 impl Near {
     pub(super) fn new(width: usize, height: usize) -> Self {
-        Self { width, height, cells: vec![Vec::new(); width * height] }
+        Self { width, height, cells: HashMap::new() }
     }
 
     /// Notes a piece, which is at most a pixel long.
@@ -69,14 +78,14 @@ impl Near {
         let middle = 0.5 * (ends[0] + ends[1]);
         let (x, y) = (middle.x.floor(), middle.y.floor());
         if x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64 {
-            self.cells[y as usize * self.width + x as usize].push(ends);
+            self.cells.entry(y as usize * self.width + x as usize).or_default().push(ends);
         }
     }
 
     /// The place on noted pieces nearest to `place`, within `reach`.
     pub(super) fn nearest(&self, place: DVec2, reach: f64) -> Option<DVec2> {
         let around = pixels_near([place; 2], reach + 0.5, [self.width, self.height]);
-        let pieces = around.flat_map(|(x, y)| &self.cells[y * self.width + x]);
+        let pieces = around.filter_map(|(x, y)| self.cells.get(&(y * self.width + x))).flatten();
         let places = pieces.map(|&[a, b]| {
             let along = b - a;
             let share = (place - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);

@@ -41,7 +41,17 @@ pub(super) fn visible<E>(
             }));
         }
     }
-    Ok(visible)
+    Ok(smoothed(steps, &visible))
+}
+
+/// A step that is not as both of its neighbours, which are as each other, is as they are: a ray aimed at an edge may slip past what is behind.
+fn smoothed(steps: &[Step], visible: &[bool]) -> Vec<bool> {
+    let follows = |i: usize| steps[i].ends[1] == steps[i + 1].ends[0];
+    let smooth = |i: usize| {
+        let is_inner = i > 0 && i + 1 < steps.len() && follows(i - 1) && follows(i);
+        if is_inner && visible[i - 1] == visible[i + 1] { visible[i - 1] } else { visible[i] }
+    };
+    (0..steps.len()).map(smooth).collect()
 }
 
 /// What positions in the scene round, millimetres.
