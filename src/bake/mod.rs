@@ -300,6 +300,9 @@ fn spaces(
     (header, part_boxes.iter().map(|&bounds| PartSpace { center: center(bounds), grid_step }).collect())
 }
 
+/// For each part that occurs its index in the scene and its box in part space, where any of its faces could be baked.
+type Slots = Vec<Option<(u32, Aabb)>>;
+
 /// Joins faces and parts into the scene; returns each part's index there and its box in part space, and the faces that were added.
 fn gather(
     model: &Model,
@@ -313,7 +316,7 @@ fn gather(
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
     mut regions: Option<&mut Vec<Region>>,
-) -> (Vec<Option<(u32, Aabb)>>, Vec<Id<Face>>) {
+) -> (Slots, Vec<Id<Face>>) {
     let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
     let mut faces = Vec::with_capacity(drafts.len());

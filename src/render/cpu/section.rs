@@ -16,6 +16,7 @@ use crate::render::Exactness;
 use crate::render::section::{MAX_PLANES, Section};
 use crate::scene::{Face, Header, Instance, Scene};
 use glam::DVec3;
+use std::f32::consts::FRAC_1_SQRT_2;
 
 /// Bodies that a ray is outside of where its interval begins: behind more of them no cap is looked for.
 pub const MAX_SETTLED: usize = 16;
@@ -31,8 +32,8 @@ pub const HATCH_SHARE: f32 = 0.16;
 pub const HATCH_LIGHT: f32 = 0.4;
 /// Directions across hatch lines, cosine and sine, for one instance after the other: 45°, 135°, 30°, 120°, 60°, 150°.
 pub const HATCH_TURNS: [[f32; 2]; 6] = [
-    [0.707_106_8, 0.707_106_8],
-    [-0.707_106_8, 0.707_106_8],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
     [0.866_025_4, 0.5],
     [-0.5, 0.866_025_4],
     [0.5, 0.866_025_4],

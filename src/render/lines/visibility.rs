@@ -44,12 +44,17 @@ pub(super) fn visible<E>(
     Ok(smoothed(steps, &visible))
 }
 
-/// A step that is not as both of its neighbours, which are as each other, is as they are: a ray aimed at an edge may slip past what is behind.
+/// A step that is not as its neighbours are on both sides, or on the one at an end of its edge, is taken for what they are: a ray aimed at an edge, or
+/// at a corner above all, may slip past what hides it.
 fn smoothed(steps: &[Step], visible: &[bool]) -> Vec<bool> {
     let follows = |i: usize| steps[i].ends[1] == steps[i + 1].ends[0];
     let smooth = |i: usize| {
-        let is_inner = i > 0 && i + 1 < steps.len() && follows(i - 1) && follows(i);
-        if is_inner && visible[i - 1] == visible[i + 1] { visible[i - 1] } else { visible[i] }
+        let before = (i > 0 && follows(i - 1)).then(|| visible[i - 1]);
+        let after = (i + 1 < steps.len() && follows(i)).then(|| visible[i + 1]);
+        match (before, after) {
+            (Some(before), Some(after)) if before != after => visible[i],
+            (before, after) => before.or(after).unwrap_or(visible[i]),
+        }
     };
     (0..steps.len()).map(smooth).collect()
 }
