@@ -23,7 +23,7 @@ struct Instance {
     part_from_world_2: vec3<f32>,
     is_translation: u32,
     grid: vec3<i32>,
-    reserved_0: u32,
+    flags: u32,
     fraction: vec3<f32>,
     radius: f32,
     reserved_1: vec4<u32>,

@@ -16,10 +16,11 @@ const WIDE: Specialisation = Specialisation {
     exactness: EXACT,
     trim_structure: TrimStructure::Packed,
     trim_boxing: false,
+    section: false,
 };
 
 /// All kinds, planes alone, one analytic kind, nets alone, nothing; degrees low and high; less exactness; each trim structure.
-const SPECIALISATIONS: [Specialisation; 12] = [
+const SPECIALISATIONS: [Specialisation; 13] = [
     Specialisation { net_chunks: 1, feature_mask: 0b11_1111, exactness: EXACT, ..WIDE },
     Specialisation { net_chunks: 7, feature_mask: 0b11_1111, exactness: EXACT, ..WIDE },
     Specialisation { net_chunks: 1, feature_mask: 0b00_0001, exactness: EXACT, ..WIDE },
@@ -32,6 +33,7 @@ const SPECIALISATIONS: [Specialisation; 12] = [
     Specialisation { trim_structure: TrimStructure::Slabs, ..WIDE },
     Specialisation { trim_structure: TrimStructure::KdCurves, trim_boxing: true, ..WIDE },
     Specialisation { trim_structure: TrimStructure::KdCurvesets, trim_boxing: true, ..WIDE },
+    Specialisation { section: true, ..WIDE },
 ];
 
 fn parse(entry: Entry, specialisation: &Specialisation) -> Module {
@@ -74,7 +76,7 @@ fn records_agree() {
             part_from_world_2,
             is_translation,
             grid,
-            reserved_0,
+            flags,
             fraction,
             radius,
             reserved_1,

@@ -13,13 +13,23 @@ struct Shaded {
     lit: vec3<f32>,
     open: f32,
     is_see_through: bool,
+    // The plane of the cap that the first hit is, or NO_PLANE.
+    cap: u32,
 }
 
-// The twin's `shade_center` and `shade_sample`. One loop walks the ray and the rays that look for the sky in turn, so that `trace`
-// stands once: a driver copies a function's whole text to each of its calls.
-fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bool, index: u32) -> Shaded {
+// The twin's `shade_center` and `shade_sample`. One loop walks the ray, the rays that look for the sky and the ways out of cut bodies in turn, so that
+// `trace` stands once: a driver copies a function's whole text to each of its calls.
+fn shade_layers(
+    lights: Lights,
+    section: Section,
+    pixel_ray: PixelRay,
+    pixel: u32,
+    center_only: bool,
+    index: u32,
+) -> Shaded {
     var shaded: Shaded;
     shaded.open = 1.0;
+    shaded.cap = NO_PLANE;
     var ray = pixel_ray.ray;
     var near = pixel_ray.near;
     var far = Distance(0.0, INFINITE);
@@ -27,6 +37,19 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
     var layer = 1u;
     var hit: RawHit;
     var n: vec3<f32>;
+    var cap = NO_PLANE;
+    // What the planes leave of the ray, whether a cap may be where that begins, and what is seen if there is none.
+    var way: Kept;
+    var is_pending = false;
+    var found: Collected;
+    if HAS_SECTION {
+        way = kept(section, ray);
+        kept_now = way;
+        let begins = way.plane != NO_PLANE && way.enter > beyond(near, 0.0) && way.enter < way.leave;
+        is_pending = begins && section.caps != 0u;
+        walks = false;
+        settled_count = 0u;
+    }
     while layer <= MAX_LAYERS {
         var seen: Collected;
         seen.far = far;
@@ -35,20 +58,48 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
         if to_sky {
             open = openness(seen);
         } else {
+            cap = NO_PLANE;
+            if HAS_SECTION && is_pending {
+                if walks {
+                    if seen.count != 0u && dot(hit_normal(seen.hit), ray.direction) > 0.0 {
+                        cap = way.plane;
+                        seen.hit.distance = to_pair(way.enter);
+                    } else if seen.count != 0u && settled_count < MAX_SETTLED {
+                        settled[settled_count] = vec2<u32>(seen.hit.instance, faces[seen.hit.face].body);
+                        settled_count += 1u;
+                        near = seen.hit.distance;
+                        continue;
+                    } else {
+                        seen = found;
+                    }
+                    walks = false;
+                    is_pending = false;
+                } else if seen.count == 0u || beyond(seen.hit.distance, 0.0) >= way.enter {
+                    found = seen;
+                    walks = true;
+                    near = to_pair(way.enter + surface_offset());
+                    continue;
+                }
+            }
             if seen.count == 0u {
                 break;
             }
             hit = seen.hit;
-            n = hit_normal(hit);
+            if HAS_SECTION && cap != NO_PLANE {
+                n = section_plane(section, cap).normal;
+            } else {
+                n = hit_normal(hit);
+            }
             n = select(n, -n, dot(n, ray.direction) > 0.0);
             if layer == 1u {
                 shaded.first = seen;
                 shaded.normal = n;
+                shaded.cap = cap;
             }
             if lights.ambient_occlusion != 0u {
                 var known = -1.0;
                 if layer == 1u && !center_only {
-                    known = known_openness(index, hit, n);
+                    known = known_openness(index, hit, cap, n);
                 }
                 if known < 0.0 {
                     to_sky = true;
@@ -56,6 +107,9 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
                     let place = sky_sample(pixel, sample_index, select(parameters.samples, 1u, center_only));
                     let direction = cosine_direction(n, place.x, place.y);
                     ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
+                    if HAS_SECTION {
+                        kept_now = kept(section, ray);
+                    }
                     near = Distance(0.0, 0.0);
                     far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
                     continue;
@@ -65,16 +119,22 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
         }
         let material = materials[hit_material(hit)];
         let view = -pixel_ray.ray.direction;
+        var share = 1.0;
+        if HAS_SECTION && cap != NO_PLANE {
+            let origin = grid_position(pixel_ray.ray.grid) + pixel_ray.ray.fraction;
+            let point = origin + pixel_ray.ray.direction * beyond(hit.distance, 0.0);
+            share = hatch(section_plane(section, cap), point, hit.instance);
+        }
         if layer == 1u {
-            shaded.lit = shade_surface(lights, n, view, material, 1.0);
+            shaded.lit = shade_surface(lights, n, view, material, 1.0) * share;
             if center_only {
-                shaded.dark = shade_surface(lights, n, view, material, 0.0);
+                shaded.dark = shade_surface(lights, n, view, material, 0.0) * share;
                 shaded.open = open;
                 shaded.is_see_through = material.opacity < 1.0;
                 break;
             }
         }
-        let lit = shade_surface(lights, n, view, material, open);
+        let lit = shade_surface(lights, n, view, material, open) * share;
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
         let left = (1.0 - shaded.color.w) * opacity;
@@ -84,6 +144,7 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
             break;
         }
         to_sky = false;
+        kept_now = way;
         ray = pixel_ray.ray;
         near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
         far = Distance(0.0, INFINITE);
@@ -92,9 +153,10 @@ fn shade_layers(lights: Lights, pixel_ray: PixelRay, pixel: u32, center_only: bo
     return shaded;
 }
 
-fn known_openness(index: u32, hit: RawHit, n: vec3<f32>) -> f32 {
+fn known_openness(index: u32, hit: RawHit, cap: u32, n: vec3<f32>) -> f32 {
+    let face = select(0u, hit.face + 1u, cap == NO_PLANE);
     for (var i = 0; i < 5; i++) {
-        let is_same = refined[index].around[i].face == hit.face + 1u
+        let is_same = refined[index].around[i].face == face
             && refined[index].around[i].instance == hit.instance + 1u;
         if is_same && dot(n, refined[index].around[i].normal) > SAME_WAY {
             return refined[index].around[i].open;

@@ -5,6 +5,7 @@
 struct RenderParameters {
     camera: Camera,
     lights: Lights,
+    section: Section,
     // Of a tile; of no account where `centers_only` is 0.
     first_pixel: u32,
     pixel_count: u32,
@@ -60,6 +61,15 @@ struct Refined {
 @group(1) @binding(3) var<storage, read_write> centers: array<Center>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
+    if HAS_SECTION {
+        if walks {
+            if !may_cap(hit) {
+                return;
+            }
+        } else if !is_kept(hit) {
+            return;
+        }
+    }
     if (*collected).count == 0u || comes_before(hit, (*collected).hit) {
         (*collected).hit = hit;
         (*collected).far = hit.distance;
@@ -86,7 +96,7 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     var shaded: Shaded;
     shaded.open = 1.0;
     if ray.meets {
-        shaded = shade_layers(parameters.lights, ray, pixel, center_only, id.x);
+        shaded = shade_layers(parameters.lights, parameters.section, ray, pixel, center_only, id.x);
     }
     var center = centers[id.x];
     let hit = shaded.first.hit;
@@ -102,6 +112,7 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
             center.dark = shaded.dark;
             center.lit = shaded.lit;
             center.flags |= select(0u, SEE_THROUGH, shaded.is_see_through);
+            center.flags |= select(0u, CAP, shaded.cap != NO_PLANE);
             center.net = hit.net;
             center.uv = hit.uv;
         }

@@ -161,7 +161,7 @@ pub(super) fn place(
         part_from_world_2: rows[2],
         is_translation: u32::from(linear == DMat3::IDENTITY),
         grid: at.grid,
-        reserved_0: 0,
+        flags: 0,
         fraction: at.fraction,
         radius: narrow::above(farthest),
         reserved_1: [0; 4],

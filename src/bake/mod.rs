@@ -8,6 +8,10 @@ mod assemble;
 mod binary_tree;
 mod budget;
 mod bvh;
+mod edge_kind;
+#[cfg(test)]
+mod edge_tests;
+mod edges;
 mod elevate;
 mod extent;
 mod faces;
@@ -52,7 +56,7 @@ use crate::brep::{
     self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
 };
 use crate::numeric::Aabb;
-use crate::scene::{Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
+use crate::scene::{self, Header, InstanceInfo, PartInfo, SceneBuffers, TrimMethod};
 use crate::trimming::TrimOptions;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -70,6 +74,8 @@ pub struct BakeOptions {
     pub trim: TrimOptions,
     /// Whether the scene carries f64 geometry beside the f32.
     pub keep_f64: bool,
+    /// Whether the scene carries the model's edges, for pictures with lines.
+    pub edges: bool,
     /// What trim queries search in.
     pub trim_method: TrimMethod,
 }
@@ -80,6 +86,7 @@ impl Default for BakeOptions {
             distortion: 0.125,
             trim: TrimOptions::default(),
             keep_f64: false,
+            edges: false,
             trim_method: TrimMethod::default(),
         }
     }
@@ -169,7 +176,7 @@ fn bake_parts(
 
     let mut materials = MaterialTable::default();
     let mut regions = Vec::new();
-    let slots = gather(
+    let (slots, added) = gather(
         model,
         &mut scene,
         &mut findings,
@@ -193,7 +200,15 @@ fn bake_parts(
         &spaces,
         options.keep_f64,
     );
+    if options.edges {
+        edges::add(model, &mut scene, &added, &slots, &spaces);
+    }
     metadata::report_unplaced(&mut findings, model, &parts);
+    for face in &mut scene.faces {
+        if scene.metadata.bodies[face.body as usize].is_closed {
+            face.flags |= scene::Face::CLOSED;
+        }
+    }
     scene.materials = materials.into_materials();
     let regions = if keep_regions { TrimRegions::new(regions, &scene) } else { TrimRegions::default() };
     if options.trim_method != TrimMethod::PACKED
@@ -287,7 +302,10 @@ fn spaces(
     (header, part_boxes.iter().map(|&bounds| PartSpace { center: center(bounds), grid_step }).collect())
 }
 
-/// Joins faces and parts into the scene; returns each part's index there and its box in part space.
+/// For each part that occurs its index in the scene and its box in part space, where any of its faces could be baked.
+type Slots = Vec<Option<(u32, Aabb)>>;
+
+/// Joins faces and parts into the scene; returns each part's index there and its box in part space, and the faces that were added.
 fn gather(
     model: &Model,
     scene: &mut SceneBuffers,
@@ -300,9 +318,10 @@ fn gather(
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
     mut regions: Option<&mut Vec<Region>>,
-) -> Vec<Option<(u32, Aabb)>> {
+) -> (Slots, Vec<Id<Face>>) {
     let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
+    let mut faces = Vec::with_capacity(drafts.len());
     for (draft, baked) in drafts.into_iter().zip(baked) {
         let face = &model.faces[draft.id];
         let slot = draft.part;
@@ -334,8 +353,11 @@ fn gather(
                     material,
                     options.keep_f64,
                 );
-                if let (Ok(()), Some(regions)) = (added, &mut regions) {
-                    regions.push(outline.region);
+                if added.is_ok() {
+                    faces.push(draft.id);
+                    if let Some(regions) = &mut regions {
+                        regions.push(outline.region);
+                    }
                 }
                 added.err().map(str::to_owned)
             }
@@ -357,7 +379,7 @@ fn gather(
         }
     }
     let with_box = |part: u32| (part, part_drafts[part as usize].bounds);
-    slots.into_iter().map(|slot| slot.map(with_box)).collect()
+    (slots.into_iter().map(|slot| slot.map(with_box)).collect(), faces)
 }
 
 fn faces_of(scene: &SceneBuffers, part: u32) -> u32 {

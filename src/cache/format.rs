@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const MAGIC: [u8; 8] = *b"\x89trmray\n";
 
 /// Changes with every change of a record or of this format.
-pub(super) const VERSION: u32 = 7;
+pub(super) const VERSION: u32 = 8;
 
 /// Reads as another number on a machine of the other byte order.
 pub(super) const ENDIAN_MARK: u32 = 0x0a0b_0c0d;
@@ -68,10 +68,12 @@ pub(super) enum Section {
     FacesF64 = 14,
     InstancesF64 = 15,
     NetPointsF64 = 16,
+    EdgePieces = 17,
+    EdgePoints = 18,
 }
 
 /// How many kinds of section there are.
-pub(super) const SECTION_KINDS: usize = 17;
+pub(super) const SECTION_KINDS: usize = 19;
 
 /// The check of a section table.
 pub(super) fn table_check(table: &[SectionEntry]) -> u64 {

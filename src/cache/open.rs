@@ -87,6 +87,8 @@ impl CacheFile {
             faces_f64: self.array(Section::FacesF64),
             instances_f64: self.array(Section::InstancesF64),
             net_points_f64: self.array(Section::NetPointsF64),
+            edge_pieces: self.array(Section::EdgePieces),
+            edge_points: self.array(Section::EdgePoints),
         }
     }
 
@@ -105,7 +107,7 @@ impl CacheFile {
 /// Bytes of an element of each kind of section.
 fn element_sizes() -> [usize; SECTION_KINDS] {
     use crate::scene::{
-        BvhNode, Face, FaceF64, Instance, InstanceF64, Material, Net, NetLeaf, Part, TrimSegment,
+        BvhNode, EdgePiece, Face, FaceF64, Instance, InstanceF64, Material, Net, NetLeaf, Part, TrimSegment,
     };
     [
         size_of::<Header>(),
@@ -125,6 +127,8 @@ fn element_sizes() -> [usize; SECTION_KINDS] {
         size_of::<FaceF64>(),
         size_of::<InstanceF64>(),
         size_of::<[f64; 4]>(),
+        size_of::<EdgePiece>(),
+        size_of::<[f32; 4]>(),
     ]
 }
 

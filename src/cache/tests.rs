@@ -36,7 +36,7 @@ pub(super) fn buffers() -> SceneBuffers {
         model.parts.push(Part { name: "plate".into(), bodies: vec![body], children: vec![], entity: 9 });
     model.roots.push(part);
     model.declared_faces = 1;
-    let options = BakeOptions { keep_f64: true, ..BakeOptions::default() };
+    let options = BakeOptions { keep_f64: true, edges: true, ..BakeOptions::default() };
     bake(&model, &options, &|_, _| {})
 }
 
@@ -61,6 +61,8 @@ fn what_is_written_is_read() {
     assert_eq!((a.instances, a.parts, a.faces), (b.instances, b.parts, b.faces));
     assert_eq!((a.trim_nodes, a.trim_segments), (b.trim_nodes, b.trim_segments));
     assert_eq!((a.faces_f64, a.instances_f64), (b.faces_f64, b.instances_f64));
+    assert_eq!((a.edge_pieces.len(), a.edge_points.len()), (5, 10));
+    assert_eq!((a.edge_pieces, a.edge_points), (b.edge_pieces, b.edge_points));
     assert_eq!(file.provenance(), &provenance());
 
     let again = folder.path().join("b.trimray");

@@ -35,6 +35,8 @@ fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Re
     add(&mut sections, Section::FacesF64, scene.faces_f64);
     add(&mut sections, Section::InstancesF64, scene.instances_f64);
     add(&mut sections, Section::NetPointsF64, scene.net_points_f64);
+    add(&mut sections, Section::EdgePieces, scene.edge_pieces);
+    add(&mut sections, Section::EdgePoints, scene.edge_points);
 
     let mut table = Vec::with_capacity(sections.len());
     let mut end = PAGE;

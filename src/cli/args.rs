@@ -4,7 +4,9 @@ use super::args_bench::Bench;
 use super::args_camera::CameraArguments;
 use super::args_files::{Diff, Merge};
 use super::args_output::OutputArguments;
+use super::args_section::SectionArguments;
 use super::args_select::SelectionArguments;
+use super::args_style::StyleArguments;
 use crate::render::{Exactness, Sampling};
 use crate::scene::TrimMethod;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -110,9 +112,13 @@ pub(super) struct Render {
     /// What computes.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
-    /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb.
-    #[arg(long, value_name = "COLOR", default_value = "1,1,1", value_parser = parse_color, allow_hyphen_values = true)]
-    pub(super) background_color: [f32; 3],
+    #[command(flatten)]
+    pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) section: SectionArguments,
+    /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb [default: white; blue in the style blueprint].
+    #[arg(long, value_name = "COLOR", value_parser = parse_color, allow_hyphen_values = true)]
+    pub(super) background_color: Option<[f32; 3]>,
     /// No background: the picture is transparent where there is no model.
     #[arg(long, conflicts_with = "background_color")]
     pub(super) no_background: bool,
@@ -154,6 +160,9 @@ pub(super) struct Bake {
     /// Keep the geometry in f64 too, for `probe --precision f64`.
     #[arg(long)]
     pub(super) keep_f64: bool,
+    /// Keep the model's edges too, for `render --edges`.
+    #[arg(long)]
+    pub(super) edges: bool,
     /// What trim queries search in: a row of Table 2 of Sloup and Havran 2021, by number or name (lc, hs+b, kc+rbe, kcs-sf19, ...), or packed.
     #[arg(long, value_name = "METHOD", default_value = "packed")]
     pub(super) trim_method: TrimMethod,
@@ -334,7 +343,7 @@ pub(super) fn parse_direction(text: &str) -> Result<DVec3, String> {
     (vector * sign).try_normalize().ok_or("the direction is 0".into())
 }
 
-fn parse_color(text: &str) -> Result<[f32; 3], String> {
+pub(super) fn parse_color(text: &str) -> Result<[f32; 3], String> {
     if let Some(hex) = text.strip_prefix('#') {
         let is_code = hex.len() == 6 && hex.bytes().all(|b| b.is_ascii_hexdigit());
         let code =

@@ -23,6 +23,7 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
     let start = Instant::now();
     let purpose = Purpose {
         keep_f64: command.keep_f64,
+        edges: command.edges,
         strict: command.import.strict,
         selection: command.selection.clone(),
         trim_method: command.trim_method,

@@ -120,6 +120,25 @@ impl<'a> Device<'a> {
         })
     }
 
+    /// Answers rays on the GPU; `None` where that does not compute, or fails.
+    #[cfg(feature = "gpu")]
+    fn probe(
+        &mut self,
+        uploaded: Option<&GpuScene<'_>>,
+        rays: &[Ray],
+        first_only: bool,
+        exactness: Exactness,
+    ) -> anyhow::Result<Option<Vec<Vec<Hit>>>> {
+        let (Some(gpu), Some(uploaded)) = (&self.gpu, uploaded) else { return Ok(None) };
+        match gpu.probe_with(uploaded, rays, first_only, exactness) {
+            Ok(hits) => Ok(Some(hits)),
+            Err(error) => {
+                self.fall_back(error)?;
+                Ok(None)
+            }
+        }
+    }
+
     /// Passes the GPU's error on where the GPU was asked for by name; else the CPU takes over.
     #[cfg(feature = "gpu")]
     fn fall_back(&mut self, error: GpuError) -> anyhow::Result<()> {
@@ -169,7 +188,7 @@ pub(super) struct Renderer<'d, 'a, 's> {
     uploaded: Option<GpuScene<'s>>,
 }
 
-impl Renderer<'_, '_, '_> {
+impl<'s> Renderer<'_, '_, 's> {
     /// Renders a picture.
     pub(super) fn render(
         &mut self,
@@ -186,6 +205,25 @@ impl Renderer<'_, '_, '_> {
         }
         self.device.announce_cpu();
         Ok(cpu::render(&self.scene, camera, options, progress))
+    }
+
+    /// What is rendered.
+    pub(super) fn scene(&self) -> Scene<'s> {
+        self.scene
+    }
+
+    /// All hits of each ray in f32, nearest first, or only the nearest of each.
+    pub(super) fn probe(
+        &mut self,
+        rays: &[Ray],
+        first_only: bool,
+        exactness: Exactness,
+    ) -> anyhow::Result<Vec<Vec<Hit>>> {
+        #[cfg(feature = "gpu")]
+        if let Some(hits) = self.device.probe(self.uploaded.as_ref(), rays, first_only, exactness)? {
+            return Ok(hits);
+        }
+        Ok(cpu::probe_with(&self.scene, rays, Precision::F32, first_only, exactness))
     }
 
     /// Renders what trims cost, on the CPU.
@@ -214,11 +252,8 @@ impl Prober<'_, '_> {
     /// All hits of each ray, nearest first, or only the nearest of each.
     pub(super) fn probe(&mut self, rays: &[Ray], first_only: bool) -> anyhow::Result<Vec<Vec<Hit>>> {
         #[cfg(feature = "gpu")]
-        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
-            match gpu.probe_with(uploaded, rays, first_only, self.exactness) {
-                Ok(hits) => return Ok(hits),
-                Err(error) => self.device.fall_back(error)?,
-            }
+        if let Some(hits) = self.device.probe(self.uploaded.as_ref(), rays, first_only, self.exactness)? {
+            return Ok(hits);
         }
         if self.device.choice != DeviceChoice::Cpu {
             self.device.announce_cpu();

@@ -41,6 +41,8 @@ pub(super) struct Purpose {
     pub(super) selection: SelectionArguments,
     /// Whether f64 geometry is needed.
     pub(super) keep_f64: bool,
+    /// Whether the model's edges are needed.
+    pub(super) edges: bool,
     /// Whether a dropped face ends the command.
     pub(super) strict: bool,
     /// What trim queries of a model that is baked now search in.
@@ -60,6 +62,13 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
         let start = Instant::now();
         let file = CacheFile::open(path)?;
         log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
+        if purpose.edges && !file.scene().metadata.has_edges {
+            let reason = format!(
+                "{} was baked without edges: bake the model again with `trimray bake --edges`",
+                path.display()
+            );
+            return Err(Failure::Usage(reason).into());
+        }
         match select_of_scene(&file.scene(), &purpose.selection, path)? {
             Some(kept) => Loaded::Selected(Box::new(file), kept),
             None => Loaded::Mapped(Box::new(file)),
@@ -85,6 +94,7 @@ fn import_and_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow:
     let start = Instant::now();
     let options = BakeOptions {
         keep_f64: purpose.keep_f64,
+        edges: purpose.edges,
         trim_method: purpose.trim_method,
         ..BakeOptions::default()
     };

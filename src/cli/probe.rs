@@ -45,7 +45,8 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
     }
     let precision = precision(command, wants_f64, &scene, general)?;
     let choice = if precision == Precision::F64 { DeviceChoice::Cpu } else { command.device };
-    let mut prober = Device::open(choice, general)?.prober(scene, precision, command.exactness.into())?;
+    let device = Device::open(choice, general)?;
+    let mut prober = device.prober(scene, precision, command.exactness.into())?;
     let first_only = command.hits == HitsChoice::First;
     let mut lines =
         RayLines { reader: rays, name: command.rays.display().to_string(), number: 0, text: Vec::new() };

@@ -12,12 +12,16 @@ use super::load::{Purpose, load, nothing};
 use super::output::{Output, Still, Subjects, plan, with_model};
 use super::progress::Progress;
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
+use super::section;
 use super::selection::select_of_scene;
 use super::sheet::{grid, sheet};
+use super::style::{Look, look};
 use super::view;
 use super::window::window;
 use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
+use crate::render::section::Section;
 use crate::render::{Background, Camera, RenderOptions};
+use crate::scene::{Material, Scene};
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -29,6 +33,11 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let plan = plan(&command.output, &subjects)?;
     check(command, &plan)?;
     let window = window(&command.writing, command.resolution)?;
+    let background = match (command.no_background, command.background_color) {
+        (true, _) => Some(Background::Transparent),
+        (false, color) => color.map(Background::Color),
+    };
+    let look = look(&command.style, background)?;
     let maps = id_maps(command)?;
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
@@ -38,7 +47,7 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
         let mut own = InputReport::default();
         let task =
             Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
-        let result = render_input(&task, command, general, &mut device, &mut own);
+        let result = render_input(&task, command, &look, general, &mut device, &mut own);
         let result = report.add(own, input, result);
         match result {
             Err(error) if is_batch && !super::is_broken_pipe(&error) => {
@@ -66,12 +75,18 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
     if command.aov.is_some() && command.device == DeviceChoice::Gpu {
         return usage("--aov trim-tests is counted on the CPU: leave out --device gpu");
     }
+    if command.aov.is_some() && (command.style.has_lines() || !command.section.section.is_empty()) {
+        return usage("--aov shows what trims cost: leave out lines, styles and sections");
+    }
     let mut stills = plan.iter().flatten();
     let has_window = command.writing.cropwindow.is_some() || command.writing.tile.is_some();
     if has_window && stills.clone().any(|still| still.views.len() > 1 || still.frames.len() > 1) {
         return usage(
             "--cropwindow and --tile need a file for each view and frame: put {view} and {frame} in its name",
         );
+    }
+    if has_window && command.style.has_lines() {
+        return usage("lines are drawn over whole pictures: leave out --cropwindow and --tile");
     }
     if command.writing.json && stills.clone().any(|still| still.output == Output::Stdout) {
         return usage("--json and the picture cannot both go to stdout: name a file with -o");
@@ -120,6 +135,7 @@ fn id_maps(command: &Render) -> Result<Vec<PathBuf>, Failure> {
 fn render_input(
     task: &Task<'_>,
     command: &Render,
+    look: &Look,
     general: &General,
     device: &mut Device<'_>,
     report: &mut InputReport,
@@ -128,7 +144,12 @@ fn render_input(
     let start = Instant::now();
     let loaded = load(
         input,
-        Purpose { strict: command.import.strict, selection: command.selection.clone(), ..Purpose::default() },
+        Purpose {
+            strict: command.import.strict,
+            edges: command.style.has_lines(),
+            selection: command.selection.clone(),
+            ..Purpose::default()
+        },
         general,
     );
     report.seconds.load = start.elapsed().as_secs_f64();
@@ -138,6 +159,10 @@ fn render_input(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
+    let materials: Vec<Material> = look.style.materials(scene.materials);
+    let instances = section::instances(&command.section, &scene, input)?;
+    let scene = Scene { materials: &materials, instances: &instances, ..scene };
+    let section = section::section(&command.section, &scene)?;
     let paths = scene.metadata.instances.iter().map(|info| info.path.as_str());
     let part_names = unique_names(paths);
     if let Some(path) = task.id_map {
@@ -147,11 +172,12 @@ fn render_input(
     let focus = SelectionArguments { only: command.camera.focus.clone(), hide: Vec::new() };
     let focused = select_of_scene(&scene, &focus, input)?;
     let framed = focused.as_ref().map_or(scene, |kept| kept.of(&scene));
-    let cameras = view::cameras(&command.camera, &framed, command.resolution);
+    let cameras = view::cameras(&command.camera, &framed, &section, command.resolution);
     let pictures = cameras.iter().map(Vec::len).sum();
     let mut job = Job {
         command,
-        options: RenderOptions { window: task.window, ..options(command) },
+        look,
+        options: RenderOptions { window: task.window, section, ..options(command, look) },
         part_names,
         renderer: device.renderer(scene)?,
         cameras,
@@ -167,26 +193,24 @@ fn render_input(
     result
 }
 
-fn options(command: &Render) -> RenderOptions {
+fn options(command: &Render, look: &Look) -> RenderOptions {
     RenderOptions {
         resolution: command.resolution,
         samples: command.samples,
         sampling: command.sampling.into(),
-        background: if command.no_background {
-            Background::Transparent
-        } else {
-            Background::Color(command.background_color)
-        },
+        background: look.rendered_background(),
         ambient_occlusion: !command.no_ambient_occlusion,
         exactness: command.exactness.into(),
         layers: Layers::NONE,
         window: None,
+        section: Section::default(),
     }
 }
 
 /// One input's pictures.
 struct Job<'j, 'a, 's> {
     command: &'j Render,
+    look: &'j Look,
     options: RenderOptions,
     /// By instance, for Cryptomatte.
     part_names: Vec<String>,
@@ -214,8 +238,11 @@ impl Job<'_, '_, '_> {
             Output::Exr(_) => layers(&writing.layers),
             Output::Png(_) | Output::Stdout => Layers::NONE,
         };
+        if self.look.has_lines() {
+            self.options.layers = self.options.layers.with_plain();
+        }
         let is_animated = still.frames.len() > 1;
-        let has_alpha = self.options.background == Background::Transparent;
+        let has_alpha = self.look.background() == Background::Transparent;
         let mut animation =
             Animation::new(still.frames.len() as u32, self.command.camera.frame_rate, depth, has_alpha);
         let mut size = [0; 2];
@@ -260,12 +287,14 @@ impl Job<'_, '_, '_> {
             let (done, pictures) = (self.done, self.pictures);
             let progress = &self.progress;
             let tell = |part, of| progress.tell(done * of + part, pictures * of);
-            films.push(match self.command.aov {
+            let mut film = match self.command.aov {
                 Some(AovChoice::TrimTests) => self.renderer.render_trim_tests(&camera, &self.options, &tell),
                 None => self.renderer.render(&camera, &self.options, &tell)?,
-            });
+            };
+            self.look.finish(&camera, &self.options, &mut film, &mut self.renderer)?;
+            films.push(film);
             self.done += 1;
         }
-        Ok(sheet(films, self.options.background))
+        Ok(sheet(films, self.look.background()))
     }
 }

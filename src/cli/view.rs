@@ -1,6 +1,7 @@
 //! From the camera flags to cameras: one for each view and frame.
 
 use super::args_camera::{CameraArguments, REVIEW_NAME};
+use crate::render::section::Section;
 use crate::render::{Camera, NamedView, REVIEW, Viewpoint};
 use crate::scene::Scene;
 
@@ -16,17 +17,18 @@ pub(super) fn names(arguments: &CameraArguments) -> Vec<&str> {
     arguments.view.iter().map(String::as_str).flat_map(expand).collect()
 }
 
-/// Each view's cameras, one a frame, for pictures of the resolution that show the scene.
+/// Each view's cameras, one a frame, for pictures of the resolution that show a section of the scene.
 pub(super) fn cameras(
     arguments: &CameraArguments,
     scene: &Scene<'_>,
+    section: &Section,
     [width, height]: [u32; 2],
 ) -> Vec<Vec<Camera>> {
     let aspect = f64::from(width) / f64::from(height);
     let viewpoints = viewpoints(arguments);
     let cameras = viewpoints.iter().map(|viewpoint| match arguments.frames {
-        1 => vec![Camera::framing(viewpoint, scene, aspect)],
-        frames => Camera::turntable(viewpoint, scene, aspect, frames),
+        1 => vec![Camera::framing_section(viewpoint, scene, section, aspect)],
+        frames => Camera::turntable(viewpoint, scene, section, aspect, frames),
     });
     cameras.collect()
 }

@@ -2,8 +2,8 @@
 //!
 //! Channels, named by layer as compositing tools expect: `R G B A` in half floats (premultiplied, as OpenEXR wants it), and of the layers that the film
 //! has `depth.Z` and `position.X Y Z` in millimetres, `normal.X Y Z` in world space, `uv.U V`, `albedo.R G B` in half floats, `id.part` and
-//! `id.face` as u32 (1 + index, 0 where nothing is hit), those of Cryptomatte, and `trim.tests` as u32. A part of a larger picture has its place as its data
-//! window and the whole as its display window.
+//! `id.face` as u32 (1 + index, 0 where nothing is hit), those of Cryptomatte, `edges.A`, what lines cover, in half floats, and `trim.tests` as u32. A part of
+//! a larger picture has its place as its data window and the whole as its display window.
 //! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
 
 use super::files::{self, ImageError};
@@ -47,6 +47,7 @@ pub(super) fn layered(film: &Film, names: &[String]) -> Layered {
     channels.add_one("depth.Z", FlatSamples::F32(film.depth.clone()));
     channels.add_one("id.part", FlatSamples::U32(film.part.clone()));
     channels.add_one("id.face", FlatSamples::U32(film.face.clone()));
+    channels.add_one("edges.A", FlatSamples::F16(half(film.lines.clone())));
     channels.add_one("trim.tests", FlatSamples::U32(film.trim_tests.clone()));
     let mut attributes = Vec::new();
     if !film.matte.is_empty() {
@@ -186,6 +187,7 @@ mod tests {
         let window = Window { left: 2, top: 5, width: 37, height: 21 };
         let mut film = Film::of_window(window, whole, Layers::ALL);
         film.trim_tests = (0..37 * 21).collect();
+        film.lines = (0..37 * 21).map(|i| i as f32 / 777.0).collect();
         for i in 0..film.color.len() {
             let x = i as f32 / 777.0;
             film.color[i] = [x, 1.0 - x, 4.0 * x, 1.0];
@@ -212,7 +214,7 @@ mod tests {
         let film = film();
         let expected = layered(&film, &names());
         let found = decode(&encode(&expected).expect("encoded")).expect("decoded");
-        assert_eq!(found.channels.len(), 4 + 3 + 3 + 3 + 2 + 1 + 2 + 1 + 12);
+        assert_eq!(found.channels.len(), 4 + 3 + 3 + 3 + 2 + 1 + 2 + 1 + 1 + 12);
         assert_eq!(found.attributes.len(), 4);
         assert!(found == expected);
         let channel = |name: &str| &found.channels.iter().find(|(n, _)| n == name).expect("a channel").1;

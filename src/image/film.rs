@@ -63,6 +63,11 @@ impl Layers {
     /// What tells which pixel shows what, and how far away.
     pub const PLAIN: Self = Self { depth: true, normal: true, ids: true, ..Self::NONE };
 
+    /// These and those of [`Self::PLAIN`].
+    pub fn with_plain(self) -> Self {
+        Self { depth: true, normal: true, ids: true, ..self }
+    }
+
     /// Whether any layer tells what is seen at the pixels' centres.
     pub fn has_centers(self) -> bool {
         self.depth || self.normal || self.position || self.uv || self.ids
@@ -105,6 +110,8 @@ pub struct Film {
     pub matte: Vec<[Share; RANKS]>,
     /// Exact odd-even tests that the trims cost; empty unless asked for.
     pub trim_tests: Vec<u32>,
+    /// What lines cover of each pixel, 0 to 1; empty where none are drawn.
+    pub lines: Vec<f32>,
 }
 
 impl Film {
@@ -132,6 +139,18 @@ impl Film {
             albedo: layer(layers.albedo, [0.0; 3], pixels),
             matte: layer(layers.matte, [Share::default(); RANKS], pixels),
             trim_tests: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// Draws the lines over everything, in one colour (sRGB).
+    pub fn draw_lines(&mut self, srgb: [f32; 3]) {
+        let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
+        for (color, &line) in self.color.iter_mut().zip(&self.lines) {
+            let [red, green, blue] = light;
+            for (channel, over) in color.iter_mut().zip([red, green, blue, 1.0]) {
+                *channel += (over - *channel) * line;
+            }
         }
     }
 
@@ -148,6 +167,7 @@ impl Film {
         };
         let mut film = Self::of_window(Window::whole(width, height), [width, height], layers);
         film.trim_tests = layer(!other.trim_tests.is_empty(), 0, width * height);
+        film.lines = layer(!other.lines.is_empty(), 0.0, width * height);
         film
     }
 
@@ -179,6 +199,7 @@ impl Film {
             copy(&mut self.matte, to, &other.matte, from.clone());
             copy(&mut self.part, to, &other.part, from.clone());
             copy(&mut self.face, to, &other.face, from.clone());
+            copy(&mut self.lines, to, &other.lines, from.clone());
             copy(&mut self.trim_tests, to, &other.trim_tests, from);
         }
     }

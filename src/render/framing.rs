@@ -4,6 +4,8 @@
 //! at twice: coarsely by the camera of the box, then by a camera around the points that were seen.
 
 use super::cpu::{Precision, probe};
+use super::section::Section;
+use super::sectioned::first_in_section;
 use super::{Camera, Ray, Viewpoint};
 use crate::numeric::Aabb;
 use crate::scene::Scene;
@@ -16,17 +18,28 @@ impl Camera {
     /// The camera for pictures of the scene that are `aspect` times as wide as high. Where the viewpoint says itself where to look or to stand,
     /// it is taken at its word and the scene's box decides the rest.
     pub fn framing(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
+        Self::framing_section(view, scene, &Section::default(), aspect)
+    }
+
+    /// [`Self::framing`] for pictures of a section.
+    pub fn framing_section(view: &Viewpoint, scene: &Scene<'_>, section: &Section, aspect: f64) -> Self {
         if view.position.is_some() || view.focal_point.is_some() {
             return Self::new(view, &bounds(scene).corners(), aspect);
         }
-        Self::framing_the_seen(view, scene, aspect)
+        Self::framing_the_seen(view, scene, section, aspect)
     }
 
     /// The cameras of a turntable: `count` of them at even steps of a whole turn about the viewpoint's up axis, the first one at the viewpoint.
     ///
     /// The axis passes through the focal point, or the middle of the scene's box, and all cameras are as far from it as the one that has to be
     /// farthest to show everything: a distance for each would make the model pulse.
-    pub fn turntable(view: &Viewpoint, scene: &Scene<'_>, aspect: f64, count: u32) -> Vec<Self> {
+    pub fn turntable(
+        view: &Viewpoint,
+        scene: &Scene<'_>,
+        section: &Section,
+        aspect: f64,
+        count: u32,
+    ) -> Vec<Self> {
         let focal_point = view.focal_point.unwrap_or_else(|| bounds(scene).center());
         let mut cameras: Vec<Self> = (0..count)
             .map(|index| {
@@ -35,7 +48,7 @@ impl Camera {
                 if view.position.is_some() {
                     Self::new(&view, &bounds(scene).corners(), aspect)
                 } else {
-                    Self::framing_the_seen(&view, scene, aspect)
+                    Self::framing_the_seen(&view, scene, section, aspect)
                 }
             })
             .collect();
@@ -52,9 +65,9 @@ impl Camera {
     }
 
     /// The camera around the points that a coarse look sees.
-    fn framing_the_seen(view: &Viewpoint, scene: &Scene<'_>, aspect: f64) -> Self {
+    fn framing_the_seen(view: &Viewpoint, scene: &Scene<'_>, section: &Section, aspect: f64) -> Self {
         let by_box = Self::new(view, &bounds(scene).corners(), aspect);
-        let seen = visible_points(scene, &by_box, aspect);
+        let seen = visible_points(scene, section, &by_box, aspect);
         if seen.is_empty() { by_box } else { Self::new(view, &seen, aspect) }
     }
 }
@@ -67,7 +80,7 @@ pub fn bounds(scene: &Scene<'_>) -> Aabb {
 }
 
 /// Where a coarse grid of the camera's rays first meets the scene.
-fn visible_points(scene: &Scene<'_>, camera: &Camera, aspect: f64) -> Vec<DVec3> {
+fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect: f64) -> Vec<DVec3> {
     let width = (COARSE * aspect.min(1.0)).ceil().max(1.0);
     let height = (COARSE / aspect.max(1.0)).ceil().max(1.0);
     let at = |i: usize, count: f64| (2 * i + 1) as f64 / count - 1.0;
@@ -75,8 +88,10 @@ fn visible_points(scene: &Scene<'_>, camera: &Camera, aspect: f64) -> Vec<DVec3>
         .flat_map(|row| (0..width as usize).map(move |column| (column, row)))
         .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
         .collect();
-    let hits = probe(scene, &rays, Precision::F32, true);
-    let point =
-        |(ray, hits): (&Ray, &Vec<super::Hit>)| hits.first().map(|hit| ray.origin + ray.direction * hit.t);
+    let hits = probe(scene, &rays, Precision::F32, section.is_empty());
+    let point = |(ray, hits): (&Ray, &Vec<super::Hit>)| {
+        let hit = first_in_section(scene, section, ray, hits);
+        hit.map(|hit| ray.origin + ray.direction * hit.t)
+    };
     rays.iter().zip(&hits).filter_map(point).collect()
 }

@@ -6,13 +6,21 @@ mod first_hits;
 mod framing;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod lines;
 mod named_view;
 mod options;
 mod ray;
 pub mod reference;
+pub mod section;
+#[cfg(test)]
+mod section_tests;
+mod sectioned;
+mod style;
 
 pub use camera::{Camera, Viewpoint};
 pub use framing::bounds;
 pub use named_view::{NAMED_VIEWS, NamedView, REVIEW};
 pub use options::{Background, Exactness, RenderOptions, Sampling};
 pub use ray::{Hit, Ray};
+pub use sectioned::{CAP, first_in_section};
+pub use style::Style;

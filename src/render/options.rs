@@ -1,5 +1,6 @@
 //! What a picture should look like.
 
+use super::section::Section;
 use crate::image::{Film, Layers, Window};
 
 /// What stands behind the model.
@@ -63,6 +64,8 @@ pub struct RenderOptions {
     pub layers: Layers,
     /// The part of the picture to render; none: all of it. It lies within the picture.
     pub window: Option<Window>,
+    /// What the model is cut down to.
+    pub section: Section,
 }
 
 impl RenderOptions {
@@ -84,6 +87,7 @@ impl Default for RenderOptions {
             exactness: Exactness::default(),
             layers: Layers::PLAIN,
             window: None,
+            section: Section::default(),
         }
     }
 }

@@ -18,6 +18,8 @@ pub fn section_bytes(scene: &Scene<'_>) -> BTreeMap<&'static str, usize> {
         ("trim_segments", size_of_val(scene.trim_segments)),
         ("trim_points", size_of_val(scene.trim_points)),
         ("materials", size_of_val(scene.materials)),
+        ("edge_pieces", size_of_val(scene.edge_pieces)),
+        ("edge_points", size_of_val(scene.edge_points)),
         ("faces_f64", size_of_val(scene.faces_f64)),
         ("instances_f64", size_of_val(scene.instances_f64)),
         ("net_points_f64", size_of_val(scene.net_points_f64)),

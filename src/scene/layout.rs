@@ -84,14 +84,19 @@ pub struct Instance {
     pub is_translation: u32,
     /// World position of the part's origin, in grid steps …
     pub grid: [i32; 3],
-    /// Unused, 0.
-    pub reserved_0: u32,
+    /// [`Instance::UNCUT`].
+    pub flags: u32,
     /// … plus this, millimetres.
     pub fraction: [f32; 3],
     /// Radius around the part's origin that holds the whole part, part space.
     pub radius: f32,
     /// Unused, 0.
     pub reserved_1: [u32; 4],
+}
+
+impl Instance {
+    /// Bit of `flags`: sections leave it whole. Never set in a file.
+    pub const UNCUT: u32 = 1;
 }
 
 /// A part: a range of the BVH nodes and primitives. 16 bytes.
@@ -150,7 +155,7 @@ pub struct Face {
     pub radius_1: f32,
     /// Unit vector.
     pub z_axis: [f32; 3],
-    /// [`Face::REVERSED`], [`Face::ALONE`].
+    /// [`Face::REVERSED`], [`Face::ALONE`], [`Face::CLOSED`].
     pub flags: u32,
     /// Frame origin in face space, each component within a grid step.
     pub offset: [f32; 3],
@@ -181,6 +186,8 @@ impl Face {
     pub const REVERSED: u32 = 1;
     /// Bit of `flags`: no other face has to meet it, so that nothing beyond its border belongs to it.
     pub const ALONE: u32 = 2;
+    /// Bit of `flags`: the faces of its body enclose a volume.
+    pub const CLOSED: u32 = 4;
 }
 
 /// A rational Bézier patch. 32 bytes.

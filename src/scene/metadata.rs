@@ -32,6 +32,8 @@ pub struct Metadata {
     pub solids: u64,
     /// How many B-spline surfaces of the source became elementary ones, by kind.
     pub recognised: BTreeMap<String, u64>,
+    /// Whether the scene has the model's edges; a model without any has none either.
+    pub has_edges: bool,
     /// The edge whose faces may be farthest apart; absent where no two faces share an edge.
     pub largest_gap: Option<EdgeGap>,
     /// What was repaired, guessed, hidden or dropped.

@@ -12,6 +12,7 @@
 //! (u, v) of a face are *normalised*: 0 to 1 over the face's trim window. (u, v) of a net are *local*: 0 to 1 over the net.
 
 mod bytes;
+mod edge;
 mod layout;
 #[cfg(test)]
 mod layout_tests;
@@ -20,11 +21,13 @@ mod trim;
 mod trim_method;
 pub mod trim_study;
 mod validate;
+mod validate_edges;
 mod validate_study;
 mod validate_trees;
 mod validate_trims;
 
 pub use bytes::section_bytes;
+pub use edge::{EdgeKind, EdgePiece, NO_FACE};
 pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
     NO_MATERIAL, Net, NetLeaf, Part, bend_bound, bend_byte, point_side, primitive,
@@ -65,6 +68,10 @@ pub struct SceneBuffers {
     pub trim_points: Vec<[f32; 3]>,
     /// Looks.
     pub materials: Vec<Material>,
+    /// Pieces of edges, grouped by edge; empty unless asked for.
+    pub edge_pieces: Vec<EdgePiece>,
+    /// Control points of edge pieces, homogeneous, relative to the piece's anchor.
+    pub edge_points: Vec<[f32; 4]>,
     /// Faces in f64; empty unless asked for, else one per face.
     pub faces_f64: Vec<FaceF64>,
     /// Instances in f64; empty unless asked for, else one per instance.
@@ -91,6 +98,8 @@ pub struct Scene<'a> {
     pub trim_segments: &'a [TrimSegment],
     pub trim_points: &'a [[f32; 3]],
     pub materials: &'a [Material],
+    pub edge_pieces: &'a [EdgePiece],
+    pub edge_points: &'a [[f32; 4]],
     pub faces_f64: &'a [FaceF64],
     pub instances_f64: &'a [InstanceF64],
     pub net_points_f64: &'a [[f64; 4]],
@@ -114,6 +123,8 @@ impl SceneBuffers {
             trim_segments: &self.trim_segments,
             trim_points: &self.trim_points,
             materials: &self.materials,
+            edge_pieces: &self.edge_pieces,
+            edge_points: &self.edge_points,
             faces_f64: &self.faces_f64,
             instances_f64: &self.instances_f64,
             net_points_f64: &self.net_points_f64,

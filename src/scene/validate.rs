@@ -1,5 +1,6 @@
 //! Every index, count and bound of a scene, checked once before any kernel relies on them.
 
+use super::validate_edges::edges;
 use super::validate_trees::bvh;
 use super::validate_trims::trims;
 use super::{FaceKind, MAX_DEGREE, NO_MATERIAL, Scene, primitive};
@@ -43,6 +44,7 @@ pub fn validate(scene: &Scene<'_>) -> Result<(), InvalidScene> {
         require(valid, "materials", index, "a channel is outside of 0..=1")?;
     }
     doubles(scene)?;
+    edges(scene)?;
     bvh(scene)?;
     trims(scene)
 }
@@ -67,7 +69,7 @@ fn header(scene: &Scene<'_>) -> Check {
     require(metadata.instances.len() == scene.instances.len(), "metadata", 0, "not one entry per instance")
 }
 
-fn on_grid(grid: [i32; 3]) -> bool {
+pub(super) fn on_grid(grid: [i32; 3]) -> bool {
     grid.iter().all(|steps| steps.unsigned_abs() <= MAX_STEPS)
 }
 

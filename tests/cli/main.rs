@@ -3,7 +3,9 @@
 mod camera;
 mod cube;
 mod output;
+mod section;
 mod selection;
+mod style;
 
 use assert_cmd::Command;
 use cube::cube;

@@ -5,6 +5,8 @@
 
 mod compare;
 mod layers;
+mod lines;
+mod sections;
 mod synthetic;
 mod trims;
 
@@ -16,6 +18,7 @@ use trimray::bench::{aimed, chord, edge_points};
 use trimray::image::Layers;
 use trimray::render::cpu::{self, Precision};
 use trimray::render::gpu::{AdapterChoice, Gpu, GpuError};
+use trimray::render::section::Section;
 use trimray::render::{Background, Camera, Exactness, Ray, RenderOptions, Sampling};
 use trimray::scene::{FaceKind, Scene, SceneBuffers};
 
@@ -71,6 +74,7 @@ fn options(ambient_occlusion: bool) -> RenderOptions {
         exactness: Exactness::Exact,
         layers: Layers::PLAIN,
         window: None,
+        section: Section::default(),
     }
 }
 

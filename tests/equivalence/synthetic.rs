@@ -132,7 +132,7 @@ fn instance(turn: DMat3, origin: DVec3, radius: f32) -> Instance {
         part_from_world_2: rows.row(2).as_vec3().to_array(),
         is_translation: (turn == DMat3::IDENTITY).into(),
         grid: grid.as_ivec3().to_array(),
-        reserved_0: 0,
+        flags: 0,
         fraction: (origin - grid * GRID_STEP).as_vec3().to_array(),
         radius,
         reserved_1: [0; 4],

@@ -14,10 +14,12 @@
 use super::camera::pixel_ray;
 use super::hit::surface_parameters;
 use super::occlusion::{REACH, Surface, smooth};
-use super::pixels::{BESIDE_ALL, BESIDE_LEFT, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived};
+use super::pixels::{
+    BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived,
+};
 use super::shade::{hit_material, is_other};
 use super::vector::Vector3;
-use crate::image::{Film, Layers, Share, Window};
+use crate::image::{Film, Share, Window};
 use crate::render::{Camera, Ray, RenderOptions, Sampling};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
@@ -44,7 +46,7 @@ pub struct Centers<'a> {
     scene: &'a Scene<'a>,
     camera: &'a Camera,
     options: &'a RenderOptions,
-    /// With the layers of [`Layers::PLAIN`] and those that are asked for.
+    /// With the plain layers and those that are asked for.
     film: Film,
     dark: Vec<[f32; 3]>,
     lit: Vec<[f32; 3]>,
@@ -65,7 +67,7 @@ pub fn with_margin(options: &RenderOptions) -> Window {
 impl<'a> Centers<'a> {
     /// Those of [`with_margin`]'s part of a picture, with nothing in it.
     pub fn new(scene: &'a Scene<'a>, camera: &'a Camera, options: &'a RenderOptions) -> Self {
-        let layers = Layers { depth: true, normal: true, ids: true, ..options.layers };
+        let layers = options.layers.with_plain();
         let whole = options.resolution.map(|n| n as usize);
         let film = Film::of_window(with_margin(options), whole, layers);
         let pixels = film.color.len();
@@ -89,9 +91,10 @@ impl<'a> Centers<'a> {
             film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
             film.normal[pixel] = center.normal;
             film.part[pixel] = center.instance;
-            film.face[pixel] = center.face;
+            let is_cap = center.flags & CAP != 0;
+            film.face[pixel] = if is_cap { 0 } else { center.face };
             let (instance, face) = (center.instance - 1, center.face - 1);
-            if layers.uv {
+            if layers.uv && !is_cap {
                 let uv = surface_parameters(self.scene, face, center.net, center.uv);
                 film.uv[pixel] = uv.map(|parameter| parameter as f32);
             }

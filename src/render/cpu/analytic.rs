@@ -129,19 +129,22 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     roots
 }
 
+/// `|(x, y)| − |r + k z|` at a point of a ray, and its change along the ray.
+#[inline(always)]
+fn cone_residual_and_change<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, t: T) -> [T; 2] {
+    let p = o + d * t;
+    let across = (p.x * p.x + p.y * p.y).sqrt();
+    let rho = radius + slope * p.z;
+    [across - rho.abs(), (p.x * d.x + p.y * d.y) / across - rho.signum() * slope * d.z]
+}
+
 /// Newton's method on `|(x, y)| − |r + k z|`, as long as that gets less: beside a tangent, which has no root to go to, a step is as long as you like.
 fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
-    let residual_and_change = |t: T| {
-        let p = o + d * t;
-        let across = (p.x * p.x + p.y * p.y).sqrt();
-        let rho = radius + slope * p.z;
-        (across - rho.abs(), (p.x * d.x + p.y * d.y) / across - rho.signum() * slope * d.z)
-    };
     let mut t = start;
-    let (mut residual, mut change) = residual_and_change(t);
+    let [mut residual, mut change] = cone_residual_and_change(o, d, radius, slope, t);
     for _ in 0..3 {
         let next = t - residual / change;
-        let (left, next_change) = residual_and_change(next);
+        let [left, next_change] = cone_residual_and_change(o, d, radius, slope, next);
         if !(left.abs() < residual.abs()) {
             break;
         }

@@ -30,6 +30,7 @@ pub(super) mod probe;
 mod queries;
 pub(super) mod ray_space;
 mod render;
+pub(super) mod section;
 pub(super) mod shade;
 mod slab;
 mod torus;

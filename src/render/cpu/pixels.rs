@@ -18,7 +18,7 @@ pub struct Center {
     pub open: f32,
     /// Linear light under the whole sky.
     pub lit: [f32; 3],
-    /// Bits: [`INCOMPLETE`], [`SEE_THROUGH`].
+    /// Bits: [`INCOMPLETE`], [`SEE_THROUGH`], [`CAP`].
     pub flags: u32,
     /// 1 + index; 0 where nothing is hit.
     pub instance: u32,
@@ -43,6 +43,9 @@ pub const BESIDE_LEFT: u32 = 4;
 /// All four.
 pub const BESIDE_ALL: u32 = 15 * BESIDE_LEFT;
 
+/// What is hit is the cap of a cut body, whose face is the one by which the ray leaves the body.
+pub const CAP: u32 = 64;
+
 /// What the centre of a pixel beside a refined one shows, as far as samples can use it. 48 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -55,7 +58,7 @@ pub struct Neighbour {
     pub lit: [f32; 3],
     /// As in [`Center`].
     pub instance: u32,
-    /// As in [`Center`].
+    /// As in [`Center`]; 0 at a cap too.
     pub face: u32,
     /// 1 where fewer than two of its own four neighbours show the same: a part of a line, perhaps, that is thinner than a pixel.
     pub is_alone: u32,

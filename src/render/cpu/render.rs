@@ -3,7 +3,7 @@
 use super::adaptive::{Centers, paint, with_margin};
 use super::camera::{pixel_key, pixel_ray, sample_offset};
 use super::pixels::{Center, Refined, Sampled};
-use super::shade::{Lights, Shading, beside, shade_center, shade_sample};
+use super::shade::{Shading, beside, shade_center, shade_sample};
 use crate::image::Film;
 use crate::render::first_hits::FirstHits;
 use crate::render::{Camera, RenderOptions};
@@ -62,7 +62,7 @@ pub fn find_centers(
     options: &RenderOptions,
     pixels: &[u32],
 ) -> Vec<Center> {
-    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let shading = Shading::new(scene, camera, options);
     let center = |&pixel: &u32| {
         let [x, y] = place(options, pixel);
         let ray = pixel_ray(camera, options.resolution, f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -78,7 +78,7 @@ pub fn take_samples(
     options: &RenderOptions,
     refined: &[Refined],
 ) -> Vec<Sampled> {
-    let shading = Shading { scene, lights: Lights::from_camera(camera), options };
+    let shading = Shading::new(scene, camera, options);
     refined.par_iter().map(|refined| sample_pixel(&shading, camera, refined)).collect()
 }
 

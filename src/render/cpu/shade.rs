@@ -6,9 +6,12 @@ use super::light::{
     AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
     OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
-use super::pixels::{BESIDE_ALL, BESIDE_LEFT, Center, Neighbour, Refined, SEE_THROUGH, contrast};
-use super::ray_space::{Distance, WorldRay, prepare, scene_radius, whole_steps};
-use super::trace::{RawHit, first_hit, first_hit_before};
+use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
+use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
+use super::section::{
+    Cut, NO_PLANE, Seen, WorldSection, first_hit_of, first_seen, hatch, is_kept, kept, section_plane,
+};
+use super::trace::{RawHit, first_hit_before};
 use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
@@ -46,6 +49,23 @@ pub struct Shading<'a, 's> {
     pub lights: Lights,
     /// How to render.
     pub options: &'a RenderOptions,
+    /// What the scene is cut down to; `None` where nothing is cut.
+    section: Option<WorldSection>,
+}
+
+impl<'a, 's> Shading<'a, 's> {
+    /// Of a scene as a camera sees it.
+    pub fn new(scene: &'a Scene<'s>, camera: &Camera, options: &'a RenderOptions) -> Self {
+        let section =
+            (!options.section.is_empty()).then(|| WorldSection::new(&options.section, scene.header));
+        Self { scene, lights: Lights::from_camera(camera), options, section }
+    }
+
+    /// The way of a ray through the section.
+    fn cut(&self, prepared: &PreparedRay<f32>) -> Option<Cut> {
+        let step = self.scene.header.grid_step as f32;
+        self.section.as_ref().map(|section| Cut::new(section, &prepared.ray, prepared.near, step))
+    }
 }
 
 impl Lights {
@@ -64,12 +84,15 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     let scene = shading.scene;
     let mut center = Center { open: 1.0, ..Center::zeroed() };
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
-    let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, prepared.near) else {
+    let exactness = shading.options.exactness;
+    let mut cut = shading.cut(&prepared);
+    let Some(seen) = first_seen(scene, exactness, &prepared.ray, prepared.near, &mut cut) else {
         return center;
     };
-    let n = visible_normal(scene, &prepared.ray, &hit);
+    let hit = seen.hit;
+    let n = visible_normal(shading, &prepared.ray, &seen);
     let material = hit_material(scene, hit.instance, hit.face);
-    let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
+    let light = |open: f32| seen_light(shading, &prepared.ray, &seen, n, &material, open);
     if shading.options.ambient_occlusion {
         center.open = openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, 0, 1));
     }
@@ -78,6 +101,9 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     center.dark = light(0.0);
     center.lit = light(1.0);
     center.flags = if material.opacity < 1.0 { SEE_THROUGH } else { 0 };
+    if seen.cap != NO_PLANE {
+        center.flags |= CAP;
+    }
     center.instance = hit.instance + 1;
     center.face = hit.face + 1;
     center.net = hit.net;
@@ -108,20 +134,21 @@ pub fn shade_sample(
     let mut shaded = Shaded::default();
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return shaded };
     let mut near = prepared.near;
+    let mut cut = shading.cut(&prepared);
     for layer in 1..=MAX_LAYERS {
-        let Some(hit) = first_hit(scene, shading.options.exactness, &prepared.ray, near) else {
-            break;
-        };
+        let seen = first_seen(scene, shading.options.exactness, &prepared.ray, near, &mut cut);
+        let Some(seen) = seen else { break };
+        let hit = seen.hit;
         let material = hit_material(scene, hit.instance, hit.face);
-        let n = visible_normal(scene, &prepared.ray, &hit);
-        let light = |open: f32| shade_surface(&shading.lights, n, -prepared.ray.direction, &material, open);
+        let n = visible_normal(shading, &prepared.ray, &seen);
+        let light = |open: f32| seen_light(shading, &prepared.ray, &seen, n, &material, open);
         let mut open = 1.0;
         if layer == 1 {
             shaded.lit = Some(light(1.0));
             shaded.first = Some((hit.instance, hit.face));
         }
         if shading.options.ambient_occlusion {
-            let known = if layer == 1 { known_openness(around, &hit, n) } else { -1.0 };
+            let known = if layer == 1 { known_openness(around, &seen, n) } else { -1.0 };
             open = if known >= 0.0 {
                 known
             } else {
@@ -149,9 +176,10 @@ pub fn shade_sample(
 }
 
 /// What the pixels around know of the sky over a hit: that of the first that shows the same face turned the same way, else negative.
-fn known_openness(around: &[Neighbour; 5], hit: &RawHit<f32>, n: Vector3<f32>) -> f32 {
+fn known_openness(around: &[Neighbour; 5], seen: &Seen, n: Vector3<f32>) -> f32 {
+    let face = if seen.cap == NO_PLANE { seen.hit.face + 1 } else { 0 };
     for neighbour in around {
-        let is_same = neighbour.face == hit.face + 1 && neighbour.instance == hit.instance + 1;
+        let is_same = neighbour.face == face && neighbour.instance == seen.hit.instance + 1;
         let [x, y, z] = neighbour.normal;
         if is_same && n.dot(Vector3 { x, y, z }) > SAME_WAY {
             return neighbour.open;
@@ -184,9 +212,12 @@ pub fn is_other(lit: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
     (instance[0] == 0) != (instance[1] == 0) || instance[0] != 0 && contrast(lit[0], lit[1]) > OTHER
 }
 
-/// The normal towards the eye.
-fn visible_normal(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: &RawHit<f32>) -> Vector3<f32> {
-    let outward = hit_normal(scene, hit);
+/// The normal of what is seen, towards the eye.
+fn visible_normal(shading: &Shading<'_, '_>, ray: &WorldRay<f32>, seen: &Seen) -> Vector3<f32> {
+    let outward = match &shading.section {
+        Some(section) if seen.cap != NO_PLANE => section_plane(section, seen.cap).normal,
+        _ => hit_normal(shading.scene, &seen.hit),
+    };
     if outward.dot(ray.direction) > 0.0 { -outward } else { outward }
 }
 
@@ -198,8 +229,30 @@ pub fn hit_material(scene: &Scene<'_>, instance: u32, face: u32) -> Material {
 }
 
 /// How far from a surface secondary rays start.
-fn surface_offset(scene: &Scene<'_>) -> f32 {
+pub(super) fn surface_offset(scene: &Scene<'_>) -> f32 {
     (scene_radius(scene.header) * SURFACE_OFFSET) as f32
+}
+
+/// The light that what is seen sends back along the ray.
+fn seen_light(
+    shading: &Shading<'_, '_>,
+    ray: &WorldRay<f32>,
+    seen: &Seen,
+    n: Vector3<f32>,
+    material: &Material,
+    open: f32,
+) -> [f32; 3] {
+    let lit = shade_surface(&shading.lights, n, -ray.direction, material, open);
+    match &shading.section {
+        Some(section) if seen.cap != NO_PLANE => {
+            let step = shading.scene.header.grid_step as f32;
+            let origin = super::frames::grid_position(ray.grid, step) + ray.fraction;
+            let point = origin + ray.direction * seen.hit.distance.beyond(0.0);
+            let share = hatch(section_plane(section, seen.cap), point, seen.hit.instance);
+            lit.map(|light| light * share)
+        }
+        _ => lit,
+    }
 }
 
 /// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
@@ -253,7 +306,15 @@ fn openness(
     let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
     let near = Distance { anchor: 0.0, offset: 0.0 };
     let far = Distance { anchor: 0.0, offset: radius };
-    let blocked = match first_hit_before(scene, shading.options.exactness, &probe, near, far) {
+    let exactness = shading.options.exactness;
+    let blocker = match &shading.section {
+        None => first_hit_before(scene, exactness, &probe, near, far),
+        Some(section) => {
+            let kept = kept(section, &probe, scene.header.grid_step as f32);
+            first_hit_of(scene, exactness, &probe, near, far, |hit| is_kept(scene, &kept, hit))
+        }
+    };
+    let blocked = match blocker {
         Some(blocker) => 1.0 - (blocker.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
         None => 0.0,
     };

@@ -187,7 +187,7 @@ fn add_instance(
         part_from_world_2: f32s(row(2)),
         is_translation: u32::from(placement.matrix3 == DMat3::IDENTITY),
         grid,
-        reserved_0: 0,
+        flags: 0,
         fraction: f32s(fraction),
         radius: radius as f32,
         reserved_1: [0; 4],

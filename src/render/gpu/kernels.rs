@@ -7,10 +7,11 @@
 
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
-use crate::render::cpu::{light, pixels, shade};
+use crate::render::cpu::{light, pixels, section, shade};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
+use crate::render::section::MAX_PLANES;
 use crate::scene::{
-    Band, Face, FaceKind, Header, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
+    Band, Face, FaceKind, Header, Instance, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
     TrimSegment, TrimStructure, primitive, trim_study, trim_word,
 };
 use std::collections::HashMap;
@@ -70,7 +71,7 @@ impl Entry {
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 20] = [
+pub const FUNCTION_FILES: [(&str, &str); 21] = [
     ("elementary", include_str!("../../../shaders/elementary.wgsl")),
     ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
@@ -90,6 +91,7 @@ pub const FUNCTION_FILES: [(&str, &str); 20] = [
     ("trace", include_str!("../../../shaders/trace.wgsl")),
     ("hit", include_str!("../../../shaders/hit.wgsl")),
     ("camera", include_str!("../../../shaders/camera.wgsl")),
+    ("section", include_str!("../../../shaders/section.wgsl")),
     ("shade", include_str!("../../../shaders/shade.wgsl")),
 ];
 
@@ -106,6 +108,8 @@ pub struct Specialisation {
     pub trim_structure: TrimStructure,
     /// Whether curves of that structure have slabs.
     pub trim_boxing: bool,
+    /// Whether rays are cut by planes; only in pictures.
+    pub section: bool,
 }
 
 impl Specialisation {
@@ -122,6 +126,7 @@ impl Specialisation {
                 structure => structure,
             },
             trim_boxing: method.has_boxing(),
+            section: false,
         };
         if asked.has(FaceKind::Nets) { asked } else { Self { exactness: Exactness::default(), ..asked } }
     }
@@ -195,12 +200,18 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 44] = [
+    let words: [(&str, u32); 51] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
         ("ALONE", Face::ALONE),
+        ("CLOSED", Face::CLOSED),
+        ("UNCUT", Instance::UNCUT),
+        ("MAX_PLANES", MAX_PLANES as u32),
+        ("MAX_SETTLED", section::MAX_SETTLED as u32),
+        ("NO_PLANE", section::NO_PLANE),
+        ("HATCH_TURN_COUNT", section::HATCH_TURNS.len() as u32),
         ("NO_MATERIAL", NO_MATERIAL),
         ("TRIM_INSIDE", TRIM_INSIDE),
         ("NET_LEAF_BIT", primitive::NET_LEAF_BIT),
@@ -217,6 +228,7 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("INCOMPLETE", INCOMPLETE),
         ("INCOMPLETE_PIXEL", pixels::INCOMPLETE),
         ("SEE_THROUGH", pixels::SEE_THROUGH),
+        ("CAP", pixels::CAP),
         ("BESIDE_LEFT", pixels::BESIDE_LEFT),
         ("BESIDE_ALL", pixels::BESIDE_ALL),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
@@ -257,6 +269,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SAME_WAY", shade::SAME_WAY),
         ("CLOSE", shade::CLOSE),
         ("OTHER", shade::OTHER),
+        ("HATCH_SHARE", section::HATCH_SHARE),
+        ("HATCH_LIGHT", section::HATCH_LIGHT),
         ("BEFORE_ONE", trim_study::BEFORE_ONE),
         ("SLAB_STEPS", trim_study::SLAB_STEPS),
     ];
@@ -273,6 +287,9 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
     for (name, [red, green, blue]) in colors {
         let _ = writeln!(text, "const {name} = vec3<f32>({red:e}, {green:e}, {blue:e});");
     }
+    let turns = section::HATCH_TURNS.map(|[cos, sin]| format!("vec2<f32>({cos:e}, {sin:e})"));
+    let _ = writeln!(text, "const HATCH_TURNS = array<vec2<f32>, {}>({});", turns.len(), turns.join(", "));
+    let _ = writeln!(text, "const HAS_SECTION: bool = {};", specialisation.section);
     let _ = writeln!(text, "const TRIM_BOXING: bool = {};", specialisation.trim_boxing);
     for (name, kind) in KINDS {
         let _ = writeln!(text, "const {name}: u32 = {}u;", kind as u32);
@@ -331,9 +348,11 @@ impl Gpu {
         entry: Entry,
         scene: &GpuScene<'_>,
         exactness: Exactness,
+        section: bool,
         lanes: u32,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut specialisation = Specialisation::of(scene.scene.header, exactness);
+        let of_scene = Specialisation::of(scene.scene.header, exactness);
+        let mut specialisation = Specialisation { section, ..of_scene };
         if self.is_software() {
             specialisation = specialisation.widened();
         }

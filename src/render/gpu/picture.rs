@@ -10,8 +10,10 @@ use crate::image::{Film, Window};
 use crate::render::cpu::adaptive::{Centers, MOST_REFINED, paint, with_margin};
 use crate::render::cpu::camera::pixel_key;
 use crate::render::cpu::pixels::{Center, INCOMPLETE, Refined, Sampled};
+use crate::render::cpu::section::WorldSection;
 use crate::render::cpu::{self, shade};
 use crate::render::first_hits::FirstHits;
+use crate::render::section::MAX_PLANES;
 use crate::render::{Camera, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
@@ -48,12 +50,35 @@ struct GpuLights {
     ambient_occlusion: u32,
 }
 
-/// `RenderParameters` of `shaders/entry/render.wgsl`. 176 bytes.
+/// `SectionPlane` of `shaders/section.wgsl`. 48 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct GpuSectionPlane {
+    normal: [f32; 3],
+    offset: f32,
+    hatch_x: [f32; 3],
+    reserved_0: u32,
+    hatch_y: [f32; 3],
+    reserved_1: u32,
+}
+
+/// `Section` of `shaders/section.wgsl`. 304 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct GpuSection {
+    planes: [GpuSectionPlane; MAX_PLANES],
+    count: u32,
+    caps: u32,
+    reserved: [u32; 2],
+}
+
+/// `RenderParameters` of `shaders/entry/render.wgsl`. 480 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct RenderParameters {
     camera: GpuCamera,
     lights: GpuLights,
+    section: GpuSection,
     first_pixel: u32,
     pixel_count: u32,
     sample_index: u32,
@@ -159,7 +184,8 @@ impl Shot<'_> {
 
     fn parameters(&self) -> RenderParameters {
         let lights = gpu_lights(&shade::Lights::from_camera(self.camera), self.options);
-        RenderParameters { camera: self.placed, lights, samples: 1, ..RenderParameters::zeroed() }
+        let section = gpu_section(&WorldSection::new(&self.options.section, self.scene.scene.header));
+        RenderParameters { camera: self.placed, lights, section, samples: 1, ..RenderParameters::zeroed() }
     }
 
     fn eye_distance(&self) -> f64 {
@@ -186,7 +212,13 @@ impl Shot<'_> {
         let asked = gpu.create_input("refined pixels", bytemuck::cast_slice(refined));
         let colors = gpu.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
         let centers = gpu.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = gpu.pipeline(Entry::Render, self.scene, self.options.exactness, lanes)?;
+        let pipeline = gpu.pipeline(
+            Entry::Render,
+            self.scene,
+            self.options.exactness,
+            parameters.section.count > 0,
+            lanes,
+        )?;
         let mut first_hits = vec![FirstHits::default(); count as usize];
         for sample in 0..parameters.samples {
             parameters.sample_index = sample;
@@ -259,5 +291,25 @@ fn gpu_lights(lights: &shade::Lights, options: &RenderOptions) -> GpuLights {
         reserved_1: 0,
         up: lights.up.to_array(),
         ambient_occlusion: options.ambient_occlusion.into(),
+    }
+}
+
+fn gpu_section(section: &WorldSection) -> GpuSection {
+    let plane = |index: usize| {
+        let plane = &section.planes[index];
+        GpuSectionPlane {
+            normal: plane.normal.to_array(),
+            offset: plane.offset,
+            hatch_x: plane.hatch_x.to_array(),
+            reserved_0: 0,
+            hatch_y: plane.hatch_y.to_array(),
+            reserved_1: 0,
+        }
+    };
+    GpuSection {
+        planes: std::array::from_fn(plane),
+        count: section.count,
+        caps: section.caps.into(),
+        reserved: [0; 2],
     }
 }

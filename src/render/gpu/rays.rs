@@ -218,7 +218,7 @@ impl Gpu {
         let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
         let counts = self.create_output("probe counts", 4 * rays.len() as u64);
-        let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, lanes)?;
+        let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, false, lanes)?;
         let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
         self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))

@@ -55,7 +55,7 @@ impl Gpu {
         let parameters = self.create_uniform("trim parameters", &parameters);
         let input = self.create_input("trim queries", bytemuck::cast_slice(queries));
         let answers = self.create_output("trim answers", 4 * queries.len() as u64);
-        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, lanes)?;
+        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, lanes)?;
         let bind_group = self.bind(Entry::Trim, &[&parameters, &input, &answers]);
         self.dispatch(&pipeline, scene, &bind_group, queries.len() as u32, lanes)?;
         self.read(&answers, queries.len())

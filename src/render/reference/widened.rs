@@ -46,6 +46,8 @@ pub fn widened(scene: &Scene<'_>) -> SceneBuffers {
         trim_segments: scene.trim_segments.to_vec(),
         trim_points: scene.trim_points.to_vec(),
         materials: scene.materials.to_vec(),
+        edge_pieces: scene.edge_pieces.to_vec(),
+        edge_points: scene.edge_points.to_vec(),
         faces_f64,
         instances_f64,
         net_points_f64: scene.net_points.iter().map(|point| point.map(f64::from)).collect(),

@@ -1,0 +1,56 @@
+//! From the flags of sections to a section, and to the instances that it leaves whole.
+
+use super::Failure;
+use super::args_section::SectionArguments;
+use crate::render::bounds;
+use crate::render::section::{MAX_PLANES, Section, SectionPlane};
+use crate::scene::{Instance, Scene};
+use std::path::Path;
+
+/// The section of a scene that is asked for.
+///
+/// # Errors
+///
+/// Too many planes.
+pub(super) fn section(flags: &SectionArguments, scene: &Scene<'_>) -> Result<Section, Failure> {
+    let bounds = bounds(scene);
+    let planes: Vec<SectionPlane> = flags.section.iter().map(|flag| flag.plane(&bounds)).collect();
+    Section::new(&planes, !flags.no_caps).ok_or_else(|| {
+        Failure::Usage(format!("{} sections are too many: {MAX_PLANES} planes are the most", planes.len()))
+    })
+}
+
+/// The scene's instances, those marked that no plane cuts.
+///
+/// # Errors
+///
+/// A pattern that means no part.
+pub(super) fn instances(
+    flags: &SectionArguments,
+    scene: &Scene<'_>,
+    path: &Path,
+) -> Result<Vec<Instance>, Failure> {
+    let mut instances = scene.instances.to_vec();
+    for pattern in &flags.section_exclude {
+        let mut is_meant = false;
+        for (instance, info) in instances.iter_mut().zip(&scene.metadata.instances) {
+            let part = &scene.metadata.parts[instance.part as usize];
+            let name = info.path.rsplit('/').next().unwrap_or_default();
+            let means_it = pattern.means_place(&info.path, name, &[part.entity])
+                || pattern.means_place(&part.name, &part.name, &[])
+                || pattern.means_entity(part.entity);
+            if means_it {
+                instance.flags |= Instance::UNCUT;
+                is_meant = true;
+            }
+        }
+        if !is_meant {
+            let reason = format!(
+                "--section-exclude {pattern}: {} has no part of that name; `trimray info` tells its parts",
+                path.display()
+            );
+            return Err(Failure::Usage(reason));
+        }
+    }
+    Ok(instances)
+}

@@ -1,0 +1,245 @@
+//! Sections on a ray: what of it is kept, and what the cut shows.
+//!
+//! Planes leave an interval of a ray. Where it begins on a plane and within a closed body, the body's cap is seen. It is within a body if the nearest
+//! of the body's hits beyond leads out of it: bodies are asked in the order of their nearest hits, until one says so or none is left. Hits of a
+//! body that is settled no longer count, so that faces which both claim a hit on their common edge do no harm; and what is nearer to
+//! the plane than rays keep off surfaces counts as on it, so that a face in the plane is cut, not seen.
+//! Instances that are uncut are seen wherever they are and have no caps.
+
+use super::frames::grid_position;
+use super::hit::hit_normal;
+use super::ray_space::{Distance, WorldRay, scene_radius, whole_steps};
+use super::shade::surface_offset;
+use super::trace::{RawHit, comes_before, first_hit, trace};
+use super::vector::Vector3;
+use crate::render::Exactness;
+use crate::render::section::{MAX_PLANES, Section};
+use crate::scene::{Face, Header, Instance, Scene};
+use glam::DVec3;
+use std::f32::consts::FRAC_1_SQRT_2;
+
+/// Bodies that a ray is outside of where its interval begins: behind more of them no cap is looked for.
+pub const MAX_SETTLED: usize = 16;
+
+/// The plane where an interval begins, if it is none.
+pub const NO_PLANE: u32 = u32::MAX;
+
+/// Distance of hatch lines, of the scene's radius.
+const HATCH_PITCH: f64 = 0.03;
+/// The share of a cap that hatch lines take …
+pub const HATCH_SHARE: f32 = 0.16;
+/// … and of its light that they leave.
+pub const HATCH_LIGHT: f32 = 0.4;
+/// Directions across hatch lines, cosine and sine, for one instance after the other: 45°, 135°, 30°, 120°, 60°, 150°.
+pub const HATCH_TURNS: [[f32; 2]; 6] = [
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.866_025_4, 0.5],
+    [-0.5, 0.866_025_4],
+    [0.5, 0.866_025_4],
+    [-0.866_025_4, 0.5],
+];
+
+/// A plane in world space.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct WorldPlane {
+    /// Towards what is cut away.
+    pub normal: Vector3<f32>,
+    /// `normal · p` on it.
+    pub offset: f32,
+    /// Two directions along it, as long as a distance of hatch lines goes into a millimetre.
+    pub hatch_x: Vector3<f32>,
+    /// See `hatch_x`.
+    pub hatch_y: Vector3<f32>,
+}
+
+/// A section in world space.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct WorldSection {
+    /// Those in use come first.
+    pub planes: [WorldPlane; MAX_PLANES],
+    /// Planes in use.
+    pub count: u32,
+    /// Whether closed bodies have caps.
+    pub caps: bool,
+}
+
+impl WorldSection {
+    /// The section in the world space of a scene.
+    pub fn new(section: &Section, header: &Header) -> Self {
+        let mut world = Self { count: section.planes().len() as u32, caps: section.caps, ..Self::default() };
+        let pitch = scene_radius(header) * HATCH_PITCH;
+        for (to, plane) in world.planes.iter_mut().zip(section.planes()) {
+            let across = if plane.normal.z.abs() < 0.9 { DVec3::Z } else { DVec3::X };
+            let x = plane.normal.cross(across).normalize_or_zero();
+            let vector = |v: DVec3| Vector3::from_f64(v.to_array());
+            to.normal = vector(plane.normal);
+            to.offset = (plane.offset - plane.normal.dot(DVec3::from_array(header.world_anchor))) as f32;
+            to.hatch_x = vector(x / pitch);
+            to.hatch_y = vector(plane.normal.cross(x) / pitch);
+        }
+        world
+    }
+}
+
+/// The kept interval of a ray; empty where it leaves before it enters.
+#[derive(Debug, Clone, Copy)]
+pub struct Kept {
+    /// Distance along the world ray.
+    pub enter: f32,
+    /// See `enter`.
+    pub leave: f32,
+    /// Index of the plane where it enters, or [`NO_PLANE`].
+    pub plane: u32,
+}
+
+/// What is seen: a hit, or a cap of the body that the hit belongs to.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// At the cap where it is one.
+    pub hit: RawHit<f32>,
+    /// The plane of the cap, or [`NO_PLANE`].
+    pub cap: u32,
+}
+
+/// A plane of a section.
+pub fn section_plane(section: &WorldSection, index: u32) -> &WorldPlane {
+    &section.planes[index as usize]
+}
+
+/// The interval of `ray` in the kept region.
+pub fn kept(section: &WorldSection, ray: &WorldRay<f32>, step: f32) -> Kept {
+    let origin = grid_position(ray.grid, step) + ray.fraction;
+    let mut kept = Kept { enter: -f32::MAX, leave: f32::MAX, plane: NO_PLANE };
+    for index in 0..section.count {
+        let plane = section_plane(section, index);
+        let rate = plane.normal.dot(ray.direction);
+        let height = plane.offset - plane.normal.dot(origin);
+        if rate.abs() < 1e-12 {
+            if height < 0.0 {
+                kept.leave = -f32::MAX;
+            }
+            continue;
+        }
+        let t = height / rate;
+        if rate > 0.0 {
+            kept.leave = kept.leave.min(t);
+        } else if t > kept.enter {
+            kept.enter = t;
+            kept.plane = index;
+        }
+    }
+    kept
+}
+
+/// Whether a hit is seen: it is kept, or its instance is uncut.
+pub fn is_kept(scene: &Scene<'_>, kept: &Kept, hit: &RawHit<f32>) -> bool {
+    let distance = hit.distance.beyond(0.0);
+    is_uncut(scene, hit) || (distance >= kept.enter && distance <= kept.leave)
+}
+
+/// Whether a hit can tell if its body is cut: its faces enclose a volume, and the planes cut it.
+pub fn may_cap(scene: &Scene<'_>, hit: &RawHit<f32>) -> bool {
+    scene.faces[hit.face as usize].flags & Face::CLOSED != 0 && !is_uncut(scene, hit)
+}
+
+fn is_uncut(scene: &Scene<'_>, hit: &RawHit<f32>) -> bool {
+    scene.instances[hit.instance as usize].flags & Instance::UNCUT != 0
+}
+
+/// A distance as a pair.
+pub fn to_pair(t: f32, step: f32) -> Distance<f32> {
+    let anchor = whole_steps(t, step);
+    Distance { anchor, offset: t - anchor }
+}
+
+/// The first hit between `near` and `far` of those that `wanted` takes.
+pub fn first_hit_of(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    ray: &WorldRay<f32>,
+    near: Distance<f32>,
+    far: Distance<f32>,
+    wanted: impl Fn(&RawHit<f32>) -> bool,
+) -> Option<RawHit<f32>> {
+    let mut first: Option<RawHit<f32>> = None;
+    trace(scene, exactness, ray, near, far, &mut |hit: RawHit<f32>| {
+        if wanted(&hit) && first.is_none_or(|best| comes_before(&hit, &best)) {
+            first = Some(hit);
+        }
+        Some(first.map_or(far, |best| best.distance))
+    });
+    first
+}
+
+/// The hit by which a ray leaves the body that it is in at `enter`, moved there; `None` where it is in none.
+fn cap_hit(scene: &Scene<'_>, exactness: Exactness, ray: &WorldRay<f32>, enter: f32) -> Option<RawHit<f32>> {
+    let step = scene.header.grid_step as f32;
+    let mut near = to_pair(enter + surface_offset(scene), step);
+    let body = |hit: &RawHit<f32>| [hit.instance, scene.faces[hit.face as usize].body];
+    let mut settled = [[0; 2]; MAX_SETTLED];
+    for count in 0..=MAX_SETTLED {
+        let is_settled = |hit: &RawHit<f32>| settled[..count].contains(&body(hit));
+        let wanted = |hit: &RawHit<f32>| may_cap(scene, hit) && !is_settled(hit);
+        let hit = first_hit_of(scene, exactness, ray, near, Distance::INFINITE, wanted)?;
+        if hit_normal(scene, &hit).dot(ray.direction) > 0.0 {
+            return Some(RawHit { distance: to_pair(enter, step), ..hit });
+        }
+        if count < MAX_SETTLED {
+            settled[count] = body(&hit);
+        }
+        near = hit.distance;
+    }
+    None
+}
+
+/// A ray's way through a section.
+#[derive(Debug, Clone, Copy)]
+pub struct Cut {
+    kept: Kept,
+    /// Whether there may be a cap that has not been looked for.
+    is_pending: bool,
+}
+
+impl Cut {
+    /// Of a ray that starts at `near`.
+    pub fn new(section: &WorldSection, ray: &WorldRay<f32>, near: Distance<f32>, step: f32) -> Self {
+        let kept = kept(section, ray, step);
+        let begins = kept.plane != NO_PLANE && kept.enter > near.beyond(0.0) && kept.enter < kept.leave;
+        Self { kept, is_pending: section.caps && begins }
+    }
+}
+
+/// The first thing that is seen after `near`; `cut` is the ray's way so far, `None` where nothing is cut.
+pub fn first_seen(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    ray: &WorldRay<f32>,
+    near: Distance<f32>,
+    cut: &mut Option<Cut>,
+) -> Option<Seen> {
+    let seen = |hit| Seen { hit, cap: NO_PLANE };
+    let Some(cut) = cut else { return first_hit(scene, exactness, ray, near).map(seen) };
+    let found =
+        first_hit_of(scene, exactness, ray, near, Distance::INFINITE, |hit| is_kept(scene, &cut.kept, hit));
+    let is_before = |hit: RawHit<f32>| hit.distance.beyond(0.0) < cut.kept.enter;
+    if cut.is_pending && !found.is_some_and(is_before) {
+        cut.is_pending = false;
+        if let Some(hit) = cap_hit(scene, exactness, ray, cut.kept.enter) {
+            return Some(Seen { hit, cap: cut.kept.plane });
+        }
+    }
+    found.map(seen)
+}
+
+/// How many hatch lines a point of world space is from the first: whole numbers where lines begin. Turned from instance to instance.
+pub fn hatch_place(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
+    let [cos, sin] = HATCH_TURNS[instance as usize % HATCH_TURNS.len()];
+    point.dot(plane.hatch_x) * cos + point.dot(plane.hatch_y) * sin
+}
+
+/// The share of its light that a cap keeps at a point of world space, on and between hatch lines.
+pub fn hatch(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
+    let across = hatch_place(plane, point, instance);
+    if across - across.floor() < HATCH_SHARE { HATCH_LIGHT } else { 1.0 }
+}

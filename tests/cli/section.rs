@@ -1,0 +1,67 @@
+//! Sections.
+
+use super::{Bench, read};
+use trimray::image::read_png;
+
+const SMALL: &str = "--resolution 120x90 --samples 4 --device cpu --no-ambient-occlusion";
+
+fn picture(bench: &Bench, flags: &str) -> Vec<u8> {
+    bench.run(&format!("render cube.step -o a.png {SMALL} {flags}")).expect(0);
+    read(&bench.path("a.png"))
+}
+
+/// Pixels that show the model.
+fn covered(bench: &Bench, flags: &str) -> usize {
+    picture(bench, &format!("--no-background --camera-orthographic --camera-direction -Z --up +Y {flags}"));
+    read_png(&bench.path("a.png")).expect("a picture").pixels.iter().filter(|pixel| pixel[3] == 255).count()
+}
+
+#[test]
+fn a_plane_leaves_one_side_and_closes_it() {
+    let bench = Bench::new();
+    let whole = picture(&bench, "");
+    let low = picture(&bench, "--section z=5mm");
+    assert!(low != whole && low != picture(&bench, "--section -z=5"));
+    assert_ne!(low, picture(&bench, "--section z=5 --no-caps"));
+    for same in ["--section z=50%", "--section z=0.5cm", "--section 0,0,3@5", "--section z=5 -j 1"] {
+        assert_eq!(low, picture(&bench, same), "{same}");
+    }
+    assert_eq!(whole, picture(&bench, "--section z=5 --section-exclude Cube"));
+    assert_eq!(whole, picture(&bench, "--section x=11"));
+    let all = covered(&bench, "");
+    let share = |flags: &str| covered(&bench, flags) as f64 / all as f64;
+    assert!((share("--section x=25%") - 0.25).abs() < 0.05);
+    assert!((share("--section -x=25%") - 0.75).abs() < 0.05);
+    assert!((share("--section x=50% --section y=50%") - 0.25).abs() < 0.05);
+    assert_eq!(covered(&bench, "--section x=-1"), 0);
+}
+
+#[test]
+fn caps_have_lines_around_them() {
+    let bench = Bench::new();
+    let dark = |flags: &str| {
+        picture(&bench, &format!("--section z=5 --edges feature {flags}"));
+        let pixels = read_png(&bench.path("a.png")).expect("a picture").pixels;
+        pixels.iter().filter(|[r, g, b, _]| r.max(g).max(b) < &40).count()
+    };
+    // Two of the cap's four sides are before its own body: nothing but the cap ends there.
+    assert!(dark("") > dark("--no-silhouettes") + 60);
+}
+
+#[test]
+fn nonsense_about_sections_is_refused() {
+    let bench = Bench::new();
+    for (flags, said) in [
+        ("--section w=3", "x=10mm"),
+        ("--section x=3ft", "x=10mm"),
+        ("--section 0,0,0@3", "x=10mm"),
+        ("--no-caps", "--section"),
+        ("--section-exclude Cube", "--section"),
+        ("--section x=1 --section-exclude Bolt*", "Bolt*"),
+        (&"--section x=1 ".repeat(7), "6 planes"),
+        ("--section x=1 --aov trim-tests", "--aov"),
+    ] {
+        let outcome = bench.run(&format!("render cube.step -o a.png {flags}")).expect(2);
+        assert!(outcome.stderr.contains(said), "{flags}: {}", outcome.stderr);
+    }
+}
