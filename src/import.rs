@@ -77,12 +77,25 @@ pub enum Scanned<'a> {
     Iges(iges::Scanned<'a>),
 }
 
+fn read(path: &Path) -> Result<Vec<u8>, ImportError> {
+    std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })
+}
+
 impl Source {
     /// Reads the file.
     pub fn open(path: &Path) -> Result<Self, ImportError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned(), size: bytes.len(), bytes: plain(bytes) })
+        Ok(Self::new(path, read(path)?))
+    }
+
+    /// Reads the file, and tells the BLAKE3 hash of its bytes.
+    pub fn open_hashed(path: &Path) -> Result<(Self, [u8; 32]), ImportError> {
+        let bytes = read(path)?;
+        let hash = blake3::hash(&bytes).into();
+        Ok((Self::new(path, bytes), hash))
+    }
+
+    fn new(path: &Path, bytes: Vec<u8>) -> Self {
+        Self { path: path.to_owned(), size: bytes.len(), bytes: plain(bytes) }
     }
 
     /// The file's length in bytes.

@@ -1,6 +1,7 @@
 //! The command line as clap sees it. Flags follow f3d where it has one.
 
 use super::args_bench::Bench;
+use super::args_cache::CacheArguments;
 use super::args_camera::CameraArguments;
 use super::args_files::{Diff, Merge};
 use super::args_output::OutputArguments;
@@ -99,6 +100,8 @@ pub(super) struct Render {
     #[command(flatten)]
     pub(super) import: Import,
     #[command(flatten)]
+    pub(super) cache: CacheArguments,
+    #[command(flatten)]
     pub(super) selection: SelectionArguments,
     /// Pixels across and down.
     #[arg(long, value_name = "W,H", default_value = "1000,600", value_parser = parse_resolution)]
@@ -182,6 +185,8 @@ pub(super) struct Info {
     pub(super) input: PathBuf,
     #[command(flatten)]
     pub(super) import: Import,
+    #[command(flatten)]
+    pub(super) cache: CacheArguments,
     /// Machine-readable, as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
@@ -204,6 +209,8 @@ pub(super) struct Probe {
     pub(super) input: PathBuf,
     #[command(flatten)]
     pub(super) import: Import,
+    #[command(flatten)]
+    pub(super) cache: CacheArguments,
     #[command(flatten)]
     pub(super) selection: SelectionArguments,
     /// The rays, one a line; '-' for stdin.

@@ -28,19 +28,14 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         selection: command.selection.clone(),
         trim_method: command.trim_method,
         copies: command.replicate,
+        kept_scenes: None,
     };
     let loaded = load(input, purpose, general)?;
     let scene = loaded.scene();
     if scene.faces.is_empty() {
         return Err(nothing(input, &scene, "bake").into());
     }
-    let options = BakeOptions::default();
-    let provenance = Provenance {
-        source_hash: hash(input)?,
-        distortion: options.distortion,
-        trim_tolerance: options.trim.relative_tolerance,
-    };
-    cache::write(&output, &scene, &provenance)?;
+    cache::write(&output, &scene, &provenance(&BakeOptions::default(), hash(input)?))?;
     if !general.quiet {
         let source_size = std::fs::metadata(input).map_or(0, |m| m.len());
         let baked_size = std::fs::metadata(&output).map_or(0, |m| m.len());
@@ -55,6 +50,15 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// What a scene is baked from and how, for its file.
+pub(super) fn provenance(options: &BakeOptions, source_hash: [u8; 32]) -> Provenance {
+    Provenance {
+        source_hash,
+        distortion: options.distortion,
+        trim_tolerance: options.trim.relative_tolerance,
+    }
 }
 
 /// BLAKE3 of the source, by which a baked file tells what it was baked from.

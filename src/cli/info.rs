@@ -15,7 +15,11 @@ const TREE_LINES: usize = 40;
 pub(super) fn run(command: &Info, general: &General) -> anyhow::Result<()> {
     // The findings are part of the answer here, so they are not told on stderr too.
     let quiet = General { quiet: true, verbose: general.verbose, threads: None };
-    let purpose = Purpose { strict: command.import.strict, ..Purpose::default() };
+    let purpose = Purpose {
+        strict: command.import.strict,
+        kept_scenes: command.cache.kept_scenes(),
+        ..Purpose::default()
+    };
     let loaded = load(&command.input, purpose, &quiet)?;
     let summary = Summary::of(&loaded.scene());
     let mut out = std::io::stdout().lock();

@@ -2,14 +2,16 @@
 
 use super::Failure;
 use super::args::General;
+use super::args_cache::KeptScenes;
 use super::args_select::SelectionArguments;
+use super::bake::provenance;
 use super::progress::Progress;
 use super::report;
 use super::selection::{select_of_model, select_of_scene};
 use crate::bake::{BakeOptions, KeptScene, bake, extent};
 use crate::brep::{Model, replicate};
-use crate::cache::CacheFile;
-use crate::import::import;
+use crate::cache::{CacheFile, Key};
+use crate::import::{Source, import};
 use crate::scene::{Scene, SceneBuffers, Severity, TrimMethod, validate};
 use anyhow::Context;
 use glam::DVec3;
@@ -49,6 +51,8 @@ pub(super) struct Purpose {
     pub(super) trim_method: TrimMethod,
     /// Copies along x, y and z of a model that is baked now.
     pub(super) copies: Option<[u32; 3]>,
+    /// Scenes that were baked before; `None` to bake anew whatever there is.
+    pub(super) kept_scenes: Option<KeptScenes>,
 }
 
 /// Whether the path names a baked scene.
@@ -74,7 +78,7 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
             None => Loaded::Mapped(Box::new(file)),
         }
     } else {
-        Loaded::Baked(Box::new(import_and_bake(path, &purpose, general)?))
+        find_or_bake(path, &purpose, general)?
     };
     let scene = loaded.scene();
     if !general.quiet {
@@ -90,15 +94,40 @@ pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::
     Ok(loaded)
 }
 
-fn import_and_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow::Result<SceneBuffers> {
+/// A scene that was kept, or a new one, which is kept if that is worth it.
+fn find_or_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow::Result<Loaded> {
     let start = Instant::now();
-    let options = BakeOptions {
-        keep_f64: purpose.keep_f64,
-        edges: purpose.edges,
-        trim_method: purpose.trim_method,
-        ..BakeOptions::default()
+    let (source, source_hash) = Source::open_hashed(path)?;
+    let options = purpose.bake_options();
+    let Some(kept) = &purpose.kept_scenes else {
+        return Ok(Loaded::Baked(Box::new(import_and_bake(path, &source, purpose, general)?)));
     };
-    let model = import_copies(path, &purpose.selection, purpose.copies, &options)?;
+    let how = format!("{:?}", (&options, &purpose.selection, purpose.copies, file_name(path)));
+    let key = Key::new(source_hash, &how);
+    if let Some(file) = kept.store.find(&key) {
+        log::info!("found as it was baked before, in {:.2} s", start.elapsed().as_secs_f64());
+        return Ok(Loaded::Mapped(Box::new(file)));
+    }
+    let buffers = import_and_bake(path, &source, purpose, general)?;
+    if start.elapsed().as_secs_f64() >= kept.least_seconds {
+        let provenance = provenance(&options, source_hash);
+        if let Err(error) = kept.store.keep(&key, &buffers.scene(), &provenance) {
+            log::warn!("the baked scene is not kept: {error}; --no-cache does not try");
+        }
+    }
+    Ok(Loaded::Baked(Box::new(buffers)))
+}
+
+fn import_and_bake(
+    path: &Path,
+    source: &Source,
+    purpose: &Purpose,
+    general: &General,
+) -> anyhow::Result<SceneBuffers> {
+    let start = Instant::now();
+    let options = purpose.bake_options();
+    let model = source.scan()?.map();
+    let model = select_and_copy(model, path, &purpose.selection, purpose.copies, &options)?;
     let imported = Instant::now();
     let progress = Progress::new(format!("Baking {}", file_name(path)), general);
     let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
@@ -114,6 +143,17 @@ fn import_and_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow:
     Ok(buffers)
 }
 
+impl Purpose {
+    fn bake_options(&self) -> BakeOptions {
+        BakeOptions {
+            keep_f64: self.keep_f64,
+            edges: self.edges,
+            trim_method: self.trim_method,
+            ..BakeOptions::default()
+        }
+    }
+}
+
 /// Imports a model, or what of it is wanted, once or as copies side by side.
 pub(super) fn import_copies(
     path: &Path,
@@ -121,7 +161,16 @@ pub(super) fn import_copies(
     copies: Option<[u32; 3]>,
     options: &BakeOptions,
 ) -> anyhow::Result<Model> {
-    let mut model = import(path)?;
+    select_and_copy(import(path)?, path, selection, copies, options)
+}
+
+fn select_and_copy(
+    mut model: Model,
+    path: &Path,
+    selection: &SelectionArguments,
+    copies: Option<[u32; 3]>,
+    options: &BakeOptions,
+) -> anyhow::Result<Model> {
     select_of_model(&mut model, selection, path)?;
     let Some(copies) = copies else { return Ok(model) };
     let bounds = extent(&model, options);

@@ -6,6 +6,7 @@
 mod args;
 mod args_bench;
 mod args_bench_trim;
+mod args_cache;
 mod args_camera;
 mod args_files;
 mod args_output;

@@ -34,6 +34,7 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
     let purpose = Purpose {
         keep_f64: wants_f64,
         strict: command.import.strict,
+        kept_scenes: command.cache.kept_scenes(),
         selection: command.selection.clone(),
         ..Purpose::default()
     };

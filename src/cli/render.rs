@@ -146,6 +146,7 @@ fn render_input(
         input,
         Purpose {
             strict: command.import.strict,
+            kept_scenes: command.cache.kept_scenes(),
             edges: command.style.has_lines(),
             selection: command.selection.clone(),
             ..Purpose::default()

@@ -2,6 +2,7 @@
 
 mod camera;
 mod cube;
+mod kept;
 mod output;
 mod section;
 mod selection;
