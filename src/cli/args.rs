@@ -74,6 +74,8 @@ pub(super) struct Import {
 Examples:
   trimray render part.step -o part.png
   trimray render part.step -o top.png --camera-direction -Z --up +Y --camera-orthographic
+  trimray render part.step -o drawing.png --style technical --hidden-lines dashed
+  trimray render pump.step -o cut.png --section x=50% --edges feature --section-exclude 'Shaft*'
   trimray render part.step -o - --no-background --resolution 400x400 | display
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
@@ -96,10 +98,6 @@ pub(super) struct Render {
     pub(super) device: DeviceChoice,
     #[command(flatten)]
     pub(super) view: View,
-    #[command(flatten)]
-    pub(super) style: StyleArguments,
-    #[command(flatten)]
-    pub(super) section: SectionArguments,
     /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb [default: white; blue in the style blueprint].
     #[arg(long, value_name = "COLOR", value_parser = parse_color, allow_hyphen_values = true)]
     pub(super) background_color: Option<[f32; 3]>,
@@ -115,6 +113,10 @@ pub(super) struct Render {
     /// Show what something costs instead of what is seen; on the CPU.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) aov: Option<AovChoice>,
+    #[command(flatten)]
+    pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) section: SectionArguments,
 }
 
 /// Where the picture is taken from.
