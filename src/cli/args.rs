@@ -82,6 +82,8 @@ pub(super) struct Import {
 Examples:
   trimray render part.step -o part.png
   trimray render part.step -o top.png --camera-direction -Z --up +Y --camera-orthographic
+  trimray render part.step -o drawing.png --style technical --hidden-lines dashed
+  trimray render pump.step -o cut.png --section x=50% --edges feature --section-exclude 'Shaft*'
   trimray render part.step -o - --no-background --resolution 400x400 | display
   trimray render part.step -o sheet.png --view review
   trimray render part.step -o '{view}.png' --view front,top,right --camera-orthographic
@@ -115,10 +117,6 @@ pub(super) struct Render {
     /// What computes.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
-    #[command(flatten)]
-    pub(super) style: StyleArguments,
-    #[command(flatten)]
-    pub(super) section: SectionArguments,
     /// Colour behind the model, sRGB: r,g,b in 0..=1, or #rrggbb [default: white; blue in the style blueprint].
     #[arg(long, value_name = "COLOR", value_parser = parse_color, allow_hyphen_values = true)]
     pub(super) background_color: Option<[f32; 3]>,
@@ -138,6 +136,10 @@ pub(super) struct Render {
     pub(super) camera: CameraArguments,
     #[command(flatten)]
     pub(super) writing: OutputArguments,
+    #[command(flatten)]
+    pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) section: SectionArguments,
 }
 
 /// Imports and preprocesses a model once: a .trimray file opens at once, and every command takes it as INPUT.
