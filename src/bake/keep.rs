@@ -7,7 +7,7 @@
 use super::{bvh, narrow};
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, unpack};
-use crate::scene::{
+use crate::scene::{EdgePiece, 
     BvhNode, Finding, Header, Instance, InstanceF64, InstanceInfo, Metadata, Part, Scene, Severity,
 };
 use glam::{DAffine3, DMat3, DVec3};
@@ -25,6 +25,7 @@ pub struct KeptScene {
     instances: Vec<Instance>,
     instances_f64: Vec<InstanceF64>,
     parts: Vec<Part>,
+    edge_pieces: Vec<EdgePiece>,
 }
 
 impl KeptScene {
@@ -38,6 +39,7 @@ impl KeptScene {
             instances: &self.instances,
             instances_f64: &self.instances_f64,
             parts: &self.parts,
+            edge_pieces: &self.edge_pieces,
             ..*whole
         }
     }
@@ -104,7 +106,14 @@ pub fn keep(scene: &Scene<'_>, instances: &[bool], faces: &[bool]) -> Result<Kep
         instances: kept_instances,
         instances_f64: moved_exact.collect(),
         parts: parts.collect(),
+        edge_pieces: scene.edge_pieces.iter().copied().filter(|piece| bounds_kept(piece, faces)).collect(),
     })
+}
+
+/// Whether an edge is one of a face that stays, or of none at all.
+fn bounds_kept(piece: &EdgePiece, faces: &[bool]) -> bool {
+    let [first, second] = piece.faces.map(|face| faces.get(face as usize));
+    (first, second) == (None, None) || first == Some(&true) || second == Some(&true)
 }
 
 /// Empties the leaf slots of faces that go; returns the box around those that stay, part space.

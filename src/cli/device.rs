@@ -9,6 +9,8 @@ use crate::render::gpu::{AdapterChoice, Gpu, GpuError, GpuScene};
 use crate::render::{Camera, Exactness, Hit, Ray, RenderOptions};
 use crate::scene::Scene;
 use std::io::Write;
+#[cfg(feature = "gpu")]
+use std::thread::JoinHandle;
 
 /// The device of one run of a command.
 pub(super) struct Device<'a> {
@@ -16,6 +18,9 @@ pub(super) struct Device<'a> {
     general: &'a General,
     #[cfg(feature = "gpu")]
     gpu: Option<Gpu>,
+    /// A GPU that is being opened: drivers take as long as small files do.
+    #[cfg(feature = "gpu")]
+    opening: Option<JoinHandle<Result<Gpu, GpuError>>>,
     /// Why it is not the GPU, where it might have been.
     reason: Option<String>,
     announced: bool,
@@ -35,6 +40,8 @@ impl<'a> Device<'a> {
             general,
             #[cfg(feature = "gpu")]
             gpu: None,
+            #[cfg(feature = "gpu")]
+            opening: None,
             reason: None,
             announced: false,
             name: String::new(),
@@ -45,17 +52,25 @@ impl<'a> Device<'a> {
 
     #[cfg(feature = "gpu")]
     fn open_gpu(&mut self) -> anyhow::Result<()> {
-        let adapters = match self.choice {
-            DeviceChoice::Cpu => return Ok(()),
-            DeviceChoice::Auto => AdapterChoice::Hardware,
-            DeviceChoice::Gpu => AdapterChoice::Any,
-        };
-        match Gpu::new(adapters) {
-            Ok(gpu) => self.gpu = Some(gpu),
-            Err(error) if self.choice == DeviceChoice::Gpu => return Err(error.into()),
-            Err(error) => self.reason = Some(error.to_string()),
+        match self.choice {
+            DeviceChoice::Cpu => {}
+            DeviceChoice::Auto => {
+                self.opening = Some(std::thread::spawn(|| Gpu::new(AdapterChoice::Hardware)));
+            }
+            DeviceChoice::Gpu => self.gpu = Some(Gpu::new(AdapterChoice::Any)?),
         }
         Ok(())
+    }
+
+    /// Waits for a GPU that is being opened.
+    #[cfg(feature = "gpu")]
+    fn wait(&mut self) {
+        match self.opening.take().map(JoinHandle::join) {
+            None => {}
+            Some(Ok(Ok(gpu))) => self.gpu = Some(gpu),
+            Some(Ok(Err(error))) => self.reason = Some(error.to_string()),
+            Some(Err(_)) => self.reason = Some("the GPU's driver failed".to_owned()),
+        }
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -66,6 +81,8 @@ impl<'a> Device<'a> {
 
     /// Prepares to render pictures of a scene.
     pub(super) fn renderer<'d, 's>(&'d mut self, scene: Scene<'s>) -> anyhow::Result<Renderer<'d, 'a, 's>> {
+        #[cfg(feature = "gpu")]
+        self.wait();
         #[cfg(feature = "gpu")]
         let uploaded = match self.gpu.as_ref().map(|gpu| gpu.upload(&scene)) {
             Some(Err(error)) => {
@@ -93,6 +110,8 @@ impl<'a> Device<'a> {
         precision: Precision,
         exactness: Exactness,
     ) -> anyhow::Result<Prober<'a, 's>> {
+        #[cfg(feature = "gpu")]
+        self.wait();
         #[cfg(feature = "gpu")]
         let uploaded = match (&self.gpu, precision) {
             (Some(gpu), Precision::F32) => Some(gpu.upload(&scene)),
@@ -177,6 +196,14 @@ impl<'a> Device<'a> {
         }
         self.announced = true;
         name.clone_into(&mut self.name);
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Drop for Device<'_> {
+    /// A driver that is still being loaded when the process ends may bring it down.
+    fn drop(&mut self) {
+        self.wait();
     }
 }
 
