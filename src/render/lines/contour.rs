@@ -8,8 +8,8 @@ use super::screen::Screen;
 use super::stroke::Near;
 use super::{Ends, FirstHits};
 use crate::image::Film;
-use crate::render::Ray;
 use crate::render::sectioned::CAP;
+use crate::render::{Hit, Ray};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -35,6 +35,13 @@ struct Sight {
 }
 
 impl Sight {
+    /// What a ray's first hit shows.
+    fn new(at: DVec2, ray: Ray, hit: Option<&Hit>) -> Self {
+        let towards_eye = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+        let cap = hit.filter(|hit| hit.face == CAP).map_or(0, |hit| hit.instance + 1);
+        Self { at, ray, hit: hit.map(|hit| (hit.t, towards_eye(hit.normal))), cap }
+    }
+
     /// How far along `ray` the tangent plane at this hit is.
     fn plane_along(&self, ray: &Ray) -> Option<f64> {
         let (t, normal) = self.hit?;
@@ -143,10 +150,7 @@ fn halve<E>(screen: &Screen<'_>, open: &mut Vec<Open>, first_hits: &mut FirstHit
         let hits = first_hits(&rays)?;
         let mut kept = Vec::with_capacity(open.len());
         for ((open, at), (ray, hits)) in open.drain(..).zip(middles).zip(rays.into_iter().zip(hits)) {
-            let towards_eye = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            let hit = hits.first();
-            let cap = hit.filter(|hit| hit.face == CAP).map_or(0, |hit| hit.instance + 1);
-            let middle = Sight { at, ray, hit: hit.map(|hit| (hit.t, towards_eye(hit.normal))), cap };
+            let middle = Sight::new(at, ray, hits.first());
             // Before it ends a surface may turn away so fast that this looks like a lesser jump.
             let [first, second] = [jump(screen, &open.from, &middle), jump(screen, &middle, &open.to)];
             if first.max(second) > 0.0 {
@@ -156,5 +160,13 @@ fn halve<E>(screen: &Screen<'_>, open: &mut Vec<Open>, first_hits: &mut FirstHit
         }
         *open = kept;
     }
+    // Ends that are still what the film showed are asked again: at the border of a face it may err, and all of a ray's hits know better.
+    let rays: Vec<Ray> = open.iter().flat_map(|open| [open.from.ray, open.to.ray]).collect();
+    let hits = first_hits(&rays)?;
+    for (open, hits) in open.iter_mut().zip(hits.chunks_exact(2)) {
+        open.from = Sight::new(open.from.at, open.from.ray, hits[0].first());
+        open.to = Sight::new(open.to.at, open.to.ray, hits[1].first());
+    }
+    open.retain(|open| jump(screen, &open.from, &open.to) > 0.0);
     Ok(())
 }
