@@ -7,8 +7,8 @@
 use super::{bvh, narrow};
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, unpack};
-use crate::scene::{EdgePiece, 
-    BvhNode, Finding, Header, Instance, InstanceF64, InstanceInfo, Metadata, Part, Scene, Severity,
+use crate::scene::{
+    BvhNode, EdgePiece, Finding, Header, Instance, InstanceF64, InstanceInfo, Metadata, Part, Scene, Severity,
 };
 use glam::{DAffine3, DMat3, DVec3};
 
