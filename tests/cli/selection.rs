@@ -133,3 +133,23 @@ fn the_focus_fills_the_picture_and_the_rest_is_drawn() {
     assert!(focused > alone && focused > whole, "{whole} {alone} {focused}");
     bench.run(&format!("render chain.step -o focus.png {flags} --focus nothing")).expect(2);
 }
+
+#[test]
+fn edges_go_with_the_faces_that_they_bound() {
+    let bench = Bench::new();
+    bench.run("bake cube.step --edges").expect(0);
+    let whole = bench.probe("cube.step", "5 4 30 0 0 -1\n");
+    let top = whole[0]["hits"][0]["entity"].as_str().expect("a number").to_owned();
+    let dark = |file: &str, flags: &str| {
+        let lines = "--edges feature --resolution 90,60 --samples 1 --device cpu --camera-focal-point 5,5,5";
+        bench.run(&format!("render {file} -o lines.png {lines} {flags}")).expect(0);
+        let picture = read_png(&bench.path("lines.png")).expect("a picture");
+        picture.pixels.iter().filter(|[r, g, b, _]| r.max(g).max(b) < &60).count() as f64
+    };
+    let alone = format!("--only {top} --camera-position 40,-30,40");
+    let (of_model, of_scene) = (dark("cube.step", &alone), dark("cube.trimray", &alone));
+    let all = dark("cube.trimray", "--camera-position 40,-30,40");
+    eprintln!("{of_model} {of_scene} of {all} dark pixels");
+    assert!(of_model > 20.0 && (of_scene / of_model - 1.0).abs() < 0.1, "{of_model} {of_scene}");
+    assert!(all > 1.3 * of_model, "{all} {of_model}");
+}

@@ -73,7 +73,7 @@ def main() -> int:
     arguments = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        picture, script, kept = f"{folder}/a.png", f"{folder}/f3d.py", f"{folder}/kept"
+        picture, script, kept = f"{folder}/a.png", f"{folder}/one_picture.py", f"{folder}/kept"
         Path(script).write_text(F3D)
         ours = [arguments.bin, "render", "-q", "--device", "cpu", "--resolution", "1024,1024", "-o", picture]
         print(f"{'f3d':>8}{'MB':>6}{'full':>8}{'trimray':>9}{'MB':>6}{'kept':>8}{'ratio':>8}{'kept':>8}")
