@@ -9,7 +9,7 @@ use crate::scene::{Net, Scene};
 pub const MAX_ORDER: usize = 26;
 
 /// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
-#[inline]
+#[inline(always)]
 pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
     let mut basis = [T::ZERO; ORDER];
     let mut slopes = [T::ZERO; ORDER];
@@ -55,23 +55,32 @@ pub fn net_degrees(net: &Net) -> (usize, usize) {
 
 /// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
 pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [T; 2]) -> NetJet<T> {
-    let (degree_u, degree_v) = net_degrees(net);
-    match degree_u.max(degree_v) {
-        0..=3 => net_jet_within::<T, 4>(scene, net, about, uv),
-        4..=11 => net_jet_within::<T, 12>(scene, net, about, uv),
-        _ => net_jet_within::<T, MAX_ORDER>(scene, net, about, uv),
+    let degrees = net_degrees(net);
+    // Degrees that are known when this is compiled leave no loop: nearly all nets have these.
+    match degrees {
+        (3, 3) => net_jet_within::<T, 4>(scene, net, (3, 3), about, uv),
+        (2, 2) => net_jet_within::<T, 4>(scene, net, (2, 2), about, uv),
+        (1, 2) => net_jet_within::<T, 4>(scene, net, (1, 2), about, uv),
+        (2, 1) => net_jet_within::<T, 4>(scene, net, (2, 1), about, uv),
+        (1, 3) => net_jet_within::<T, 4>(scene, net, (1, 3), about, uv),
+        (3, 1) => net_jet_within::<T, 4>(scene, net, (3, 1), about, uv),
+        (2, 3) => net_jet_within::<T, 4>(scene, net, (2, 3), about, uv),
+        (3, 2) => net_jet_within::<T, 4>(scene, net, (3, 2), about, uv),
+        (0..=3, 0..=3) => net_jet_within::<T, 4>(scene, net, degrees, about, uv),
+        (0..=11, 0..=11) => net_jet_within::<T, 12>(scene, net, degrees, about, uv),
+        _ => net_jet_within::<T, MAX_ORDER>(scene, net, degrees, about, uv),
     }
 }
 
-/// [`net_jet`] of a net whose degrees are below `ORDER`.
+/// [`net_jet`] of a net with these degrees, below `ORDER`.
 #[inline(always)]
 fn net_jet_within<T: Kernel, const ORDER: usize>(
     scene: &Scene<'_>,
     net: &Net,
+    (degree_u, degree_v): (usize, usize),
     about: Vector3<T>,
     uv: [T; 2],
 ) -> NetJet<T> {
-    let (degree_u, degree_v) = net_degrees(net);
     let (basis_u, slope_u) = basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
     let (basis_v, slope_v) = basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
     let shift = [about.x, about.y, about.z, T::ZERO];

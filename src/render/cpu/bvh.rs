@@ -115,25 +115,27 @@ pub fn next_primitive<T: Real>(
 /// The children met: inner nodes from bit 24 up in octant order, primitives below.
 #[inline]
 pub fn intersect_node<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
-    let [x_near, x_far, x_scale] = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
-    let [y_near, y_far, y_scale] = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
-    let [z_near, z_far, z_scale] = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
-    let (x_low, x_high) = order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x);
-    let (y_low, y_high) = order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y);
-    let (z_low, z_high) = order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z);
+    let x = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
+    let y = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
+    let z = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
+    let (mut enter, mut leave) = ([near; 8], [far; 8]);
+    // Plain loops over all children: the compiler takes four or eight of them at a time.
+    let mut narrow = |(low, high): (&[u8; 8], &[u8; 8]), [to_near, to_far, scale]: [T; 3]| {
+        for child in 0..8 {
+            let plane = |byte: u8| T::from_f32(f32::from(byte));
+            let first = plane(low[child]) * scale + to_near;
+            let last = plane(high[child]) * scale + to_far;
+            enter[child] = if first > enter[child] { first } else { enter[child] };
+            leave[child] = if last < leave[child] { last } else { leave[child] };
+        }
+    };
+    narrow(order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x), x);
+    narrow(order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y), y);
+    narrow(order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z), z);
     let mut hits = 0;
     for child in 0..8 {
         let meta = u32::from(node.child_meta[child]);
-        let plane = |byte: u8| T::from_f32(f32::from(byte));
-        let enter = near
-            .max(plane(x_low[child]) * x_scale + x_near)
-            .max(plane(y_low[child]) * y_scale + y_near)
-            .max(plane(z_low[child]) * z_scale + z_near);
-        let leave = far
-            .min(plane(x_high[child]) * x_scale + x_far)
-            .min(plane(y_high[child]) * y_scale + y_far)
-            .min(plane(z_high[child]) * z_scale + z_far);
-        if meta != 0 && enter <= leave {
+        if meta != 0 && enter[child] <= leave[child] {
             if node.imask >> child & 1 == 1 {
                 hits |= 1 << (24 + ((meta & 7) ^ ray.octant));
             } else {
