@@ -35,6 +35,7 @@ pub struct Center {
 }
 
 /// A kernel ran out of loop turns: the pixel is not known.
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "only kernels of a GPU have a limit"))]
 pub const INCOMPLETE: u32 = 1;
 /// What is hit lets light through.
 pub const SEE_THROUGH: u32 = 2;
