@@ -176,6 +176,11 @@ fn metadata(scene: &Scene<'_>, kept: &[usize], faces: &[bool]) -> Metadata {
     let mut metadata = scene.metadata.clone();
     metadata.instances =
         kept.iter().map(|&index| InstanceInfo { path: metadata.instances[index].path.clone() }).collect();
+    for (face, _) in scene.faces.iter().zip(faces).filter(|(_, stays)| !**stays) {
+        if let Some(body) = metadata.bodies.get_mut(face.body as usize) {
+            body.is_closed = false;
+        }
+    }
     let mut is_placed = vec![false; scene.parts.len()];
     kept.iter().for_each(|&index| is_placed[scene.instances[index].part as usize] = true);
     let mut was_placed = vec![false; scene.parts.len()];

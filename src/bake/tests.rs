@@ -165,3 +165,53 @@ fn corpus_files_bake_to_sound_scenes() {
     }
     assert!(baked_files > 0);
 }
+
+/// Two blocks of a millimetre, 1000 mm apart, each a part of its own.
+fn two_blocks() -> SceneBuffers {
+    let mut model = Model::default();
+    for (index, x) in [0.0, 1000.0].into_iter().enumerate() {
+        let frame = Frame { origin: DVec3::new(x, 0.0, 0.0), ..Frame::IDENTITY };
+        let faces = crate::brep::primitive::block(&mut model, &frame, DVec3::ONE, 10).expect("a block");
+        model.declared_faces += faces.len();
+        let body = Body { kind: BodyKind::Solid, faces, name: String::new(), entity: 1 };
+        let part = Part { name: format!("block {index}"), bodies: vec![body], children: vec![], entity: 2 };
+        let part = model.parts.push(part);
+        model.roots.push(part);
+    }
+    bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {})
+}
+
+#[test]
+fn part_of_a_scene_is_a_scene_of_its_own() {
+    let whole = two_blocks();
+    let whole = whole.scene();
+    assert!(whole.metadata.bodies.iter().all(|body| body.is_closed));
+    let faces = vec![true; whole.faces.len()];
+    let kept = super::keep(&whole, &[false, true], &faces).expect("kept");
+    let scene = kept.of(&whole);
+    validate(&scene).expect("a valid scene");
+    assert_eq!((scene.instances.len(), scene.metadata.instances.len()), (1, 1));
+    assert_eq!(scene.metadata.instances[0].path, "block 1");
+    assert!((scene.header.world_anchor[0] - 1000.5).abs() < 0.1, "{:?}", scene.header.world_anchor);
+    assert!(scene.header.half_size.iter().all(|&half| (0.5..0.6).contains(&half)));
+    assert_eq!(scene.metadata.missing_faces(Severity::Hidden), 6);
+    assert!(scene.metadata.bodies[1].is_closed && scene.has_f64());
+
+    let mut faces = faces;
+    faces[0] = false;
+    let kept = super::keep(&whole, &[true, true], &faces).expect("kept");
+    let scene = kept.of(&whole);
+    validate(&scene).expect("a valid scene");
+    let part = scene.faces[0].part as usize;
+    assert!(!scene.metadata.bodies[scene.faces[0].body as usize].is_closed, "a body without a face is open");
+    assert_eq!((scene.instances.len(), scene.metadata.missing_faces(Severity::Hidden)), (2, 1));
+    let slots = |scene: &crate::scene::Scene<'_>| {
+        let part = scene.parts[part];
+        let nodes = &scene.bvh_nodes[part.first_node as usize..][..part.node_count as usize];
+        nodes.iter().flat_map(|node| node.child_meta).filter(|&meta| meta != 0).count()
+    };
+    assert_eq!(slots(&scene) + 1, slots(&whole));
+
+    let nothing = super::keep(&whole, &[false, false], &faces).expect("kept");
+    validate(&nothing.of(&whole)).expect("a valid scene");
+}
