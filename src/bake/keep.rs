@@ -8,7 +8,8 @@ use super::{bvh, narrow};
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{
-    BvhNode, EdgePiece, Finding, Header, Instance, InstanceF64, InstanceInfo, Metadata, Part, Scene, Severity,
+    BvhNode, EdgePiece, Face, Finding, Header, Instance, InstanceF64, InstanceInfo, Metadata, Part, Scene,
+    Severity,
 };
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -25,6 +26,7 @@ pub struct KeptScene {
     instances: Vec<Instance>,
     instances_f64: Vec<InstanceF64>,
     parts: Vec<Part>,
+    faces: Vec<Face>,
     edge_pieces: Vec<EdgePiece>,
 }
 
@@ -39,6 +41,7 @@ impl KeptScene {
             instances: &self.instances,
             instances_f64: &self.instances_f64,
             parts: &self.parts,
+            faces: &self.faces,
             edge_pieces: &self.edge_pieces,
             ..*whole
         }
@@ -98,8 +101,15 @@ pub fn keep(scene: &Scene<'_>, instances: &[bool], faces: &[bool]) -> Result<Kep
     let moved_exact = exact
         .map(|exact| InstanceF64 { origin: (DVec3::from_array(exact.origin) - moved).to_array(), ..*exact });
     bvh_nodes.splice(..old_nodes as usize, top.nodes.iter().copied());
+    let metadata = metadata(scene, &kept, faces);
+    let is_closed = |face: &Face| metadata.bodies.get(face.body as usize).is_some_and(|body| body.is_closed);
+    let opened = |face: &Face| match is_closed(face) {
+        true => *face,
+        false => Face { flags: face.flags & !Face::CLOSED, ..*face },
+    };
     Ok(KeptScene {
-        metadata: metadata(scene, &kept, faces),
+        faces: scene.faces.iter().map(opened).collect(),
+        metadata,
         header,
         primitives: top.order.iter().chain(&scene.primitives[old_primitives as usize..]).copied().collect(),
         bvh_nodes,

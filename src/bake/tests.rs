@@ -204,6 +204,10 @@ fn part_of_a_scene_is_a_scene_of_its_own() {
     validate(&scene).expect("a valid scene");
     let part = scene.faces[0].part as usize;
     assert!(!scene.metadata.bodies[scene.faces[0].body as usize].is_closed, "a body without a face is open");
+    let is_closed = |face: &crate::scene::Face| face.flags & crate::scene::Face::CLOSED != 0;
+    assert!(
+        whole.faces.iter().all(is_closed) && scene.faces.iter().filter(|face| is_closed(face)).count() == 6
+    );
     assert_eq!((scene.instances.len(), scene.metadata.missing_faces(Severity::Hidden)), (2, 1));
     let slots = |scene: &crate::scene::Scene<'_>| {
         let part = scene.parts[part];
