@@ -5,9 +5,7 @@ use super::args::{Bake, General};
 use super::load::{Purpose, is_baked, load, nothing};
 use crate::bake::BakeOptions;
 use crate::cache::{self, Provenance};
-use anyhow::Context;
 use std::io::Write;
-use std::path::Path;
 use std::time::Instant;
 
 pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
@@ -35,7 +33,7 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
     if scene.faces.is_empty() {
         return Err(nothing(input, &scene, "bake").into());
     }
-    cache::write(&output, &scene, &provenance(&BakeOptions::default(), hash(input)?))?;
+    cache::write(&output, &scene, &provenance(&BakeOptions::default(), loaded.source_hash()))?;
     if !general.quiet {
         let source_size = std::fs::metadata(input).map_or(0, |m| m.len());
         let baked_size = std::fs::metadata(&output).map_or(0, |m| m.len());
@@ -59,15 +57,6 @@ pub(super) fn provenance(options: &BakeOptions, source_hash: [u8; 32]) -> Proven
         distortion: options.distortion,
         trim_tolerance: options.trim.relative_tolerance,
     }
-}
-
-/// BLAKE3 of the source, by which a baked file tells what it was baked from.
-fn hash(path: &Path) -> anyhow::Result<[u8; 32]> {
-    let mut hasher = blake3::Hasher::new();
-    std::fs::File::open(path)
-        .and_then(|file| hasher.update_reader(file).map(|_| ()))
-        .with_context(|| path.display().to_string())?;
-    Ok(hasher.finalize().into())
 }
 
 /// A size for people.

@@ -79,22 +79,27 @@ impl<'a> Device<'a> {
         Ok(())
     }
 
-    /// Prepares to render pictures of a scene.
-    pub(super) fn renderer<'d, 's>(&'d mut self, scene: Scene<'s>) -> anyhow::Result<Renderer<'d, 'a, 's>> {
-        #[cfg(feature = "gpu")]
+    /// Brings a scene to the GPU; `None` where that does not compute, or has no room.
+    #[cfg(feature = "gpu")]
+    fn upload<'s>(&mut self, scene: &Scene<'s>) -> anyhow::Result<Option<GpuScene<'s>>> {
         self.wait();
-        #[cfg(feature = "gpu")]
-        let uploaded = match self.gpu.as_ref().map(|gpu| gpu.upload(&scene)) {
+        match self.gpu.as_ref().map(|gpu| gpu.upload(scene)) {
             Some(Err(error)) => {
                 self.fall_back(error)?;
-                None
+                Ok(None)
             }
             Some(Ok(uploaded)) => {
                 self.announce_gpu();
-                Some(uploaded)
+                Ok(Some(uploaded))
             }
-            None => None,
-        };
+            None => Ok(None),
+        }
+    }
+
+    /// Prepares to render pictures of a scene.
+    pub(super) fn renderer<'d, 's>(&'d mut self, scene: Scene<'s>) -> anyhow::Result<Renderer<'d, 'a, 's>> {
+        #[cfg(feature = "gpu")]
+        let uploaded = self.upload(&scene)?;
         Ok(Renderer {
             device: self,
             scene,
@@ -111,24 +116,7 @@ impl<'a> Device<'a> {
         exactness: Exactness,
     ) -> anyhow::Result<Prober<'a, 's>> {
         #[cfg(feature = "gpu")]
-        self.wait();
-        #[cfg(feature = "gpu")]
-        let uploaded = match (&self.gpu, precision) {
-            (Some(gpu), Precision::F32) => Some(gpu.upload(&scene)),
-            _ => None,
-        };
-        #[cfg(feature = "gpu")]
-        let uploaded = match uploaded {
-            Some(Err(error)) => {
-                self.fall_back(error)?;
-                None
-            }
-            Some(Ok(uploaded)) => {
-                self.announce_gpu();
-                Some(uploaded)
-            }
-            None => None,
-        };
+        let uploaded = if precision == Precision::F32 { self.upload(&scene)? } else { None };
         Ok(Prober {
             device: self,
             scene,

@@ -20,7 +20,8 @@ use std::time::Instant;
 
 /// A scene and where it lives.
 pub(super) enum Loaded {
-    Baked(Box<SceneBuffers>),
+    /// With the BLAKE3 hash of what it was baked from.
+    Baked(Box<SceneBuffers>, [u8; 32]),
     Mapped(Box<CacheFile>),
     /// Part of a mapped one.
     Selected(Box<CacheFile>, Box<KeptScene>),
@@ -29,9 +30,17 @@ pub(super) enum Loaded {
 impl Loaded {
     pub(super) fn scene(&self) -> Scene<'_> {
         match self {
-            Self::Baked(buffers) => buffers.scene(),
+            Self::Baked(buffers, _) => buffers.scene(),
             Self::Mapped(file) => file.scene(),
             Self::Selected(file, kept) => kept.of(&file.scene()),
+        }
+    }
+
+    /// BLAKE3 of the CAD file that the scene comes from.
+    pub(super) fn source_hash(&self) -> [u8; 32] {
+        match self {
+            Self::Baked(_, source_hash) => *source_hash,
+            Self::Mapped(file) | Self::Selected(file, _) => file.provenance().source_hash,
         }
     }
 }
@@ -99,8 +108,9 @@ fn find_or_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow::Re
     let start = Instant::now();
     let (source, source_hash) = Source::open_hashed(path)?;
     let options = purpose.bake_options();
+    let bake = || import_and_bake(path, &source, purpose, &options, general).map(Box::new);
     let Some(kept) = &purpose.kept_scenes else {
-        return Ok(Loaded::Baked(Box::new(import_and_bake(path, &source, purpose, general)?)));
+        return Ok(Loaded::Baked(bake()?, source_hash));
     };
     let how = format!("{:?}", (&options, &purpose.selection, purpose.copies, file_name(path)));
     let key = Key::new(source_hash, &how);
@@ -108,29 +118,29 @@ fn find_or_bake(path: &Path, purpose: &Purpose, general: &General) -> anyhow::Re
         log::info!("found as it was baked before, in {:.2} s", start.elapsed().as_secs_f64());
         return Ok(Loaded::Mapped(Box::new(file)));
     }
-    let buffers = import_and_bake(path, &source, purpose, general)?;
+    let buffers = bake()?;
     if start.elapsed().as_secs_f64() >= kept.least_seconds {
         let provenance = provenance(&options, source_hash);
         if let Err(error) = kept.store.keep(&key, &buffers.scene(), &provenance) {
             log::warn!("the baked scene is not kept: {error}; --no-cache does not try");
         }
     }
-    Ok(Loaded::Baked(Box::new(buffers)))
+    Ok(Loaded::Baked(buffers, source_hash))
 }
 
 fn import_and_bake(
     path: &Path,
     source: &Source,
     purpose: &Purpose,
+    options: &BakeOptions,
     general: &General,
 ) -> anyhow::Result<SceneBuffers> {
     let start = Instant::now();
-    let options = purpose.bake_options();
     let model = source.scan()?.map();
-    let model = select_and_copy(model, path, &purpose.selection, purpose.copies, &options)?;
+    let model = select_and_copy(model, path, &purpose.selection, purpose.copies, options)?;
     let imported = Instant::now();
     let progress = Progress::new(format!("Baking {}", file_name(path)), general);
-    let mut buffers = bake(&model, &options, &|done, total| progress.tell(done, total));
+    let mut buffers = bake(&model, options, &|done, total| progress.tell(done, total));
     drop(progress);
     buffers.metadata.file_name = file_name(path);
     validate(&buffers.scene())

@@ -183,12 +183,29 @@ impl Film {
     ///
     /// Where it does not fit.
     pub fn paste(&mut self, other: &Self, left: usize, top: usize) {
+        let all = Window::whole(other.width, other.height);
+        self.copy_from(other, all, left, top);
+    }
+
+    /// Takes the pixels of `other` that begin at its column `left` of its row `top`, as many as this film has.
+    ///
+    /// # Panics
+    ///
+    /// Where `other` has not as many there.
+    pub fn cut_from(&mut self, other: &Self, left: usize, top: usize) {
+        self.copy_from(other, Window { left, top, width: self.width, height: self.height }, 0, 0);
+    }
+
+    /// Copies part of `other`, counted in its own pixels, to column `left` of row `top`: the layers that both have.
+    fn copy_from(&mut self, other: &Self, part: Window, left: usize, top: usize) {
+        assert!(left + part.width <= self.width && top + part.height <= self.height, "the film is too large");
         assert!(
-            left + other.width <= self.width && top + other.height <= self.height,
-            "the film is too large"
+            part.left + part.width <= other.width && part.top + part.height <= other.height,
+            "the film is too small"
         );
-        for y in 0..other.height {
-            let from = y * other.width..(y + 1) * other.width;
+        for y in 0..part.height {
+            let first = (part.top + y) * other.width + part.left;
+            let from = first..first + part.width;
             let to = (top + y) * self.width + left;
             copy(&mut self.color, to, &other.color, from.clone());
             copy(&mut self.depth, to, &other.depth, from.clone());
@@ -201,28 +218,6 @@ impl Film {
             copy(&mut self.face, to, &other.face, from.clone());
             copy(&mut self.lines, to, &other.lines, from.clone());
             copy(&mut self.trim_tests, to, &other.trim_tests, from);
-        }
-    }
-
-    /// Takes the pixels of a film that are to be had from its column `left` of its row `top` on, as far as this film has layers.
-    ///
-    /// # Panics
-    ///
-    /// Where `other` has not as many pixels there, or not the layers.
-    pub fn cut_from(&mut self, other: &Self, left: usize, top: usize) {
-        let (width, height) = (self.width, self.height);
-        let rows = (0..height).map(|y| (y * width, (top + y) * other.width + left));
-        for (to, from) in rows {
-            let (to, from) = (to..to + width, from..from + width);
-            cut(&mut self.color, to.clone(), &other.color, from.clone());
-            cut(&mut self.depth, to.clone(), &other.depth, from.clone());
-            cut(&mut self.normal, to.clone(), &other.normal, from.clone());
-            cut(&mut self.position, to.clone(), &other.position, from.clone());
-            cut(&mut self.uv, to.clone(), &other.uv, from.clone());
-            cut(&mut self.albedo, to.clone(), &other.albedo, from.clone());
-            cut(&mut self.matte, to.clone(), &other.matte, from.clone());
-            cut(&mut self.part, to.clone(), &other.part, from.clone());
-            cut(&mut self.face, to, &other.face, from);
         }
     }
 
@@ -248,13 +243,6 @@ fn layer<T: Clone>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
 fn copy<T: Copy>(into: &mut [T], to: usize, from: &[T], range: Range<usize>) {
     if !into.is_empty() && !from.is_empty() {
         into[to..to + range.len()].copy_from_slice(&from[range]);
-    }
-}
-
-/// Copies part of a layer, where there is one.
-fn cut<T: Copy>(to: &mut [T], into: Range<usize>, from: &[T], range: Range<usize>) {
-    if !to.is_empty() {
-        to[into].copy_from_slice(&from[range]);
     }
 }
 

@@ -4,7 +4,7 @@ use super::adaptive::{Centers, paint, with_margin};
 use super::camera::{pixel_key, pixel_ray, sample_offset};
 use super::pixels::{Center, Refined, Sampled};
 use super::shade::{Shading, beside, shade_center, shade_sample};
-use crate::image::Film;
+use crate::image::{Film, Window};
 use crate::render::first_hits::FirstHits;
 use crate::render::{Camera, RenderOptions};
 use crate::scene::Scene;
@@ -49,8 +49,7 @@ pub fn render(
 }
 
 /// Where in the whole picture a pixel of the part that is rendered is.
-fn place(options: &RenderOptions, pixel: u32) -> [u32; 2] {
-    let window = with_margin(options);
+fn place(window: Window, pixel: u32) -> [u32; 2] {
     let (x, y) = (pixel % window.width as u32, pixel / window.width as u32);
     [x + window.left as u32, y + window.top as u32]
 }
@@ -63,8 +62,9 @@ pub fn find_centers(
     pixels: &[u32],
 ) -> Vec<Center> {
     let shading = Shading::new(scene, camera, options);
+    let window = with_margin(options);
     let center = |&pixel: &u32| {
-        let [x, y] = place(options, pixel);
+        let [x, y] = place(window, pixel);
         let ray = pixel_ray(camera, options.resolution, f64::from(x) + 0.5, f64::from(y) + 0.5);
         shade_center(&shading, camera, &ray, pixel_key(x, y))
     };
@@ -79,13 +79,14 @@ pub fn take_samples(
     refined: &[Refined],
 ) -> Vec<Sampled> {
     let shading = Shading::new(scene, camera, options);
-    refined.par_iter().map(|refined| sample_pixel(&shading, camera, refined)).collect()
+    let window = with_margin(options);
+    let sampled = |refined: &Refined| sample_pixel(&shading, camera, place(window, refined.pixel), refined);
+    refined.par_iter().map(sampled).collect()
 }
 
-/// The mean of a pixel's samples, and what they show first.
-fn sample_pixel(shading: &Shading<'_, '_>, camera: &Camera, refined: &Refined) -> Sampled {
+/// The mean of the samples of the pixel at `(x, y)` of the whole picture, and what they show first.
+fn sample_pixel(shading: &Shading<'_, '_>, camera: &Camera, [x, y]: [u32; 2], refined: &Refined) -> Sampled {
     let options = shading.options;
-    let [x, y] = place(options, refined.pixel);
     let pixel = pixel_key(x, y);
     let samples = options.samples.max(1);
     let (mut color, mut flags) = ([0.0_f32; 4], 0);
