@@ -371,4 +371,20 @@ mod tests {
         assert_eq!(isolate(&strip(0.05), 1e-9, 1e-6).map(|roots| roots.len()), Some(0));
         assert_eq!(isolate(&strip(5.0), 1e-8, 1e-6).map(|roots| roots.len()), Some(0));
     }
+
+    /// The plane of (u, v), and a line that comes down to it at a thousandth beyond v = 1 along v at a slope of 2e-3: it passes over the side at 2e-6, but not
+    /// over the place of the side that is nearest to where it meets the plane.
+    #[test]
+    fn what_grazes_a_side_is_not_decided() {
+        let slanted = System {
+            degrees: [1, 1],
+            functions: [
+                SmallVec::from_slice(&[0.501, -0.499, 1.501, 0.501]),
+                SmallVec::from_slice(&[-1.001, -0.001, -1.001, -0.001].map(|v| 2e-3 * v)),
+            ],
+            weights: SmallVec::from_elem(1.0, 4),
+        };
+        assert_eq!(isolate(&slanted, 1e-6, 1e-6).map(|roots| roots.len()), Some(0));
+        assert!(isolate(&slanted, 1e-5, 1e-6).is_none());
+    }
 }
