@@ -6,6 +6,7 @@ mod kept;
 mod output;
 mod section;
 mod selection;
+mod stages;
 mod style;
 
 use assert_cmd::Command;
