@@ -191,8 +191,7 @@ pub enum StagesError {
     Cache(#[from] CacheError),
 }
 
-/// Imports, bakes, writes and opens the file `repeat` times (at least once), as `copies` along each axis. The baked scene is written to `scratch`,
-/// which is then removed.
+/// Imports, bakes, writes and opens the file `repeat` times (at least once), as `copies` along each axis. The baked scene is left in `scratch`.
 ///
 /// # Errors
 /// Those of the import, of replication and of the cache.
@@ -256,14 +255,12 @@ fn measure_once(
     ] {
         times.add(stage, seconds);
     }
-    let cache_bytes = measure_cache(&scene, scratch, times);
-    // A scratch file that cannot be removed is no reason to lose the times.
-    let _ = std::fs::remove_file(scratch);
+    let cache_bytes = measure_cache(&scene, scratch, times)?;
     Ok(Stages {
         bytes: source.size(),
         entities,
         faces: model.faces.len(),
-        cache_bytes: cache_bytes?,
+        cache_bytes,
         scene,
         times: StageTimes::default(),
     })
@@ -282,7 +279,7 @@ fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -
     let ray = Ray { origin: anchor + DVec3::Z * (2.0 * radius), direction: DVec3::NEG_Z };
     std::hint::black_box(probe(&file.scene(), &[ray], Precision::F32, true));
     times.add(Stage::FirstRay, clock.lap());
-    Ok(std::fs::metadata(scratch).map_or(0, |metadata| metadata.len()))
+    Ok(file.bytes())
 }
 
 /// The exponent e of `time ≈ c · size^e` by least squares of the logarithms; nothing from less than two sizes.
