@@ -140,6 +140,10 @@ pub(super) struct Render {
     pub(super) style: StyleArguments,
     #[command(flatten)]
     pub(super) section: SectionArguments,
+    /// Take the assembly apart: what the model contains moves away from its middle by this share of its distance from there, what that contains in turn by half
+    /// of the share from its own middle, and so on. Sections cut what is then.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = parse_explode, help_heading = "Selection")]
+    pub(super) explode: f64,
 }
 
 /// Imports and preprocesses a model once: a .trimray file opens at once, and every command takes it as INPUT.
@@ -301,6 +305,14 @@ pub(super) enum PrecisionChoice {
 
 /// More pixels than this would not fit the memory of common machines.
 pub(super) const MAX_PIXELS: u64 = 1 << 27;
+
+/// How far an assembly may be taken apart: what is left of 24 bits between the grid's step and the model's size bears this easily.
+const MOST_EXPLODED: f64 = 10.0;
+
+fn parse_explode(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..=MOST_EXPLODED).contains(share));
+    share.ok_or_else(|| format!("a number from 0 (as it is) to {MOST_EXPLODED} is wanted, such as 1"))
+}
 
 pub(super) fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
     let (width, height) =

@@ -18,10 +18,12 @@ use super::sheet::{grid, sheet};
 use super::style::{Look, look};
 use super::view;
 use super::window::window;
+use crate::bake::explode;
 use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
 use crate::render::section::Section;
 use crate::render::{Background, Camera, RenderOptions};
 use crate::scene::{Material, Scene};
+use anyhow::Context;
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -160,6 +162,11 @@ fn render_input(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
+    let exploded = (command.explode > 0.0)
+        .then(|| explode(&scene, command.explode).map_err(anyhow::Error::msg))
+        .transpose()
+        .with_context(|| format!("{}: --explode {}", input.display(), command.explode))?;
+    let scene = exploded.as_ref().map_or(scene, |exploded| exploded.of(&scene));
     let materials: Vec<Material> = look.style.materials(scene.materials);
     let instances = section::instances(&command.section, &scene, input)?;
     let scene = Scene { materials: &materials, instances: &instances, ..scene };
