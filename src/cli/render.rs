@@ -150,6 +150,7 @@ fn render_input(
             strict: command.import.strict,
             kept_scenes: command.cache.kept_scenes(),
             edges: command.style.has_lines(),
+            quality: command.bake_quality,
             selection: command.selection.clone(),
             ..Purpose::default()
         },
