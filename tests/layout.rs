@@ -79,7 +79,9 @@ fn records_agree() {
             flags,
             fraction,
             radius,
+            material_shift,
             reserved_1,
+            reserved_2,
         }
     );
     assert_layout!(module, Part { first_node, node_count, first_primitive, primitive_count });
@@ -123,7 +125,7 @@ fn records_agree() {
         }
     );
     assert_layout!(module, TrimSegment { low, high, band, curve });
-    assert_layout!(module, Material { rgb, opacity });
+    assert_layout!(module, Material { rgb, opacity, roughness, metallic, reserved });
 }
 
 /// `e` and `imask`, three bytes and one, are the one word `e_imask` in WGSL.

@@ -4,6 +4,7 @@ use super::args_bench::Bench;
 use super::args_cache::CacheArguments;
 use super::args_camera::CameraArguments;
 use super::args_files::{Diff, Merge};
+use super::args_material::MaterialArguments;
 use super::args_output::OutputArguments;
 use super::args_section::SectionArguments;
 use super::args_select::SelectionArguments;
@@ -138,6 +139,8 @@ pub(super) struct Render {
     pub(super) writing: OutputArguments,
     #[command(flatten)]
     pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) material: MaterialArguments,
     #[command(flatten)]
     pub(super) section: SectionArguments,
 }

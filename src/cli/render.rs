@@ -6,9 +6,11 @@ use super::Failure;
 use super::args::{AovChoice, DeviceChoice, General, Render};
 use super::args_output::{BitDepthChoice, layers};
 use super::args_select::SelectionArguments;
+use super::args_style::StyleChoice;
 use super::device::{Device, Renderer};
 use super::id_map::IdMap;
 use super::load::{Purpose, load, nothing};
+use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
 use super::progress::Progress;
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
@@ -21,7 +23,6 @@ use super::window::window;
 use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
 use crate::render::section::Section;
 use crate::render::{Background, Camera, RenderOptions};
-use crate::scene::{Material, Scene};
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
         (false, color) => color.map(Background::Color),
     };
     let look = look(&command.style, background)?;
+    let looks = looks(&command.material)?;
     let maps = id_maps(command)?;
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
@@ -47,7 +49,7 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
         let mut own = InputReport::default();
         let task =
             Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
-        let result = render_input(&task, command, &look, general, &mut device, &mut own);
+        let result = render_input(&task, command, (&look, &looks), general, &mut device, &mut own);
         let result = report.add(own, input, result);
         match result {
             Err(error) if is_batch && !super::is_broken_pipe(&error) => {
@@ -83,6 +85,11 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
     if has_window && stills.clone().any(|still| still.views.len() > 1 || still.frames.len() > 1) {
         return usage(
             "--cropwindow and --tile need a file for each view and frame: put {view} and {frame} in its name",
+        );
+    }
+    if command.style.style != StyleChoice::Shaded && !command.material.is_empty() {
+        return usage(
+            "the styles technical and blueprint have looks of their own: leave out --color and its like",
         );
     }
     if has_window && command.style.has_lines() {
@@ -135,7 +142,7 @@ fn id_maps(command: &Render) -> Result<Vec<PathBuf>, Failure> {
 fn render_input(
     task: &Task<'_>,
     command: &Render,
-    look: &Look,
+    (look, looks): (&Look, &Looks),
     general: &General,
     device: &mut Device<'_>,
     report: &mut InputReport,
@@ -160,9 +167,10 @@ fn render_input(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
-    let materials: Vec<Material> = look.style.materials(scene.materials);
-    let instances = section::instances(&command.section, &scene, input)?;
-    let scene = Scene { materials: &materials, instances: &instances, ..scene };
+    let mut overridden = overridden(looks, &scene, input)?;
+    look.style.recolor_materials(&mut overridden.materials);
+    section::exclude(&command.section, &scene, &mut overridden.instances, input)?;
+    let scene = overridden.of(&scene);
     let section = section::section(&command.section, &scene)?;
     let paths = scene.metadata.instances.iter().map(|info| info.path.as_str());
     let part_names = unique_names(paths);

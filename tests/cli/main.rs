@@ -3,6 +3,7 @@
 mod camera;
 mod cube;
 mod kept;
+mod material;
 mod output;
 mod section;
 mod selection;

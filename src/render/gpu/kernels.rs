@@ -11,8 +11,8 @@ use crate::render::cpu::{light, pixels, section, shade};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::render::section::MAX_PLANES;
 use crate::scene::{
-    Band, Face, FaceKind, Header, Instance, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
-    TrimSegment, TrimStructure, primitive, trim_study, trim_word,
+    Band, Face, FaceKind, Header, Instance, MAX_DEGREE, MAX_TREE_DEPTH, Material, NO_MATERIAL, TRIM_INSIDE,
+    TrimMethod, TrimSegment, TrimStructure, primitive, trim_study, trim_word,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -263,6 +263,10 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SKEW_STEPS", Band::SKEW_STEPS),
         ("AMBIENT_WEIGHT", light::AMBIENT_WEIGHT),
         ("GLOSS", light::GLOSS),
+        ("LEAST_ROUGHNESS", light::LEAST_ROUGHNESS),
+        ("METAL_LIGHT", light::METAL_LIGHT),
+        ("METAL_BOX", light::METAL_BOX),
+        ("DEFAULT_ROUGHNESS", Material::DEFAULT_ROUGHNESS),
         ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
         ("OCCLUSION_RADIUS", light::OCCLUSION_RADIUS as f32),
         ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
@@ -283,6 +287,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("AMBIENT_UP", light::AMBIENT_UP),
         ("AMBIENT_DOWN", light::AMBIENT_DOWN),
         ("RIM_COLOR", light::RIM_COLOR),
+        ("METAL_UP", light::METAL_UP),
+        ("METAL_DOWN", light::METAL_DOWN),
     ];
     for (name, [red, green, blue]) in colors {
         let _ = writeln!(text, "const {name} = vec3<f32>({red:e}, {green:e}, {blue:e});");
