@@ -32,62 +32,51 @@ fn light_density(direction: vec3<f32>) -> f32 {
     let place = map_place(direction);
     let column = min(u32(place.x * f32(parameters.map_width)), parameters.map_width - 1u);
     let row = min(u32(place.y * f32(parameters.map_height)), parameters.map_height - 1u);
-    return texel_density(column, row, place.y);
+    let share = share_at(0u, row) * share_at(parameters.map_height + row * parameters.map_width, column);
+    return texel_density(share, place.y);
 }
 
-fn texel_density(column: u32, row: u32, v: f32) -> f32 {
-    let share = row_share(row) * column_share(column, row);
+fn texel_density(share: f32, v: f32) -> f32 {
     let size = f32(parameters.map_width * parameters.map_height);
     return share * size / (2.0 * PI * PI * max(real_sin_cos(v * PI).x, 1e-5));
 }
 
-fn row_share(row: u32) -> f32 {
-    if row == 0u {
-        return rows[0];
+fn share_at(first: u32, index: u32) -> f32 {
+    if index == 0u {
+        return shares[first];
     }
-    return rows[row] - rows[row - 1u];
+    return shares[first + index] - shares[first + index - 1u];
 }
 
-fn column_share(column: u32, row: u32) -> f32 {
-    let at = row * parameters.map_width + column;
-    if column == 0u {
-        return texels[at].w;
-    }
-    return texels[at].w - texels[at - 1u].w;
-}
-
-fn sample_light(point: vec2<f32>) -> LightSample {
+fn find_share(first: u32, count: u32, wanted: f32) -> u32 {
     var low = 0u;
-    var high = parameters.map_height - 1u;
+    var high = count - 1u;
     while low < high {
         let middle = (low + high) / 2u;
-        if rows[middle] > point.y {
+        if shares[first + middle] > wanted {
             high = middle;
         } else {
             low = middle + 1u;
         }
     }
-    let row = low;
-    let first = row * parameters.map_width;
-    low = 0u;
-    high = parameters.map_width - 1u;
-    while low < high {
-        let middle = (low + high) / 2u;
-        if texels[first + middle].w > point.x {
-            high = middle;
-        } else {
-            low = middle + 1u;
-        }
-    }
-    let column = low;
-    let row_start = rows[row] - row_share(row);
-    let column_start = texels[first + column].w - column_share(column, row);
-    let down = clamp((point.y - row_start) / max(row_share(row), 1e-20), 0.0, 1.0);
-    let across = clamp((point.x - column_start) / max(column_share(column, row), 1e-20), 0.0, 1.0);
-    let v = (f32(row) + down) / f32(parameters.map_height);
-    let turn = real_sin_cos(((f32(column) + across) / f32(parameters.map_width) - 0.5) * 2.0 * PI);
+    return low;
+}
+
+fn sample_light(on_ground: bool, point: vec2<f32>) -> LightSample {
+    let width = parameters.map_width;
+    let height = parameters.map_height;
+    let table = select(0u, height + width * height, on_ground);
+    let row = find_share(table, height, point.y);
+    let first = table + height + row * width;
+    let column = find_share(first, width, point.x);
+    let of_row = share_at(table, row);
+    let of_column = share_at(first, column);
+    let up = clamp((shares[table + row] - point.y) / max(of_row, 1e-20), 0.0, 1.0);
+    let back = clamp((shares[first + column] - point.x) / max(of_column, 1e-20), 0.0, 1.0);
+    let v = (f32(row + 1u) - up) / f32(height);
+    let turn = real_sin_cos(((f32(column + 1u) - back) / f32(width) - 0.5) * 2.0 * PI);
     let fall = real_sin_cos(v * PI);
     let direction = parameters.map_x * (fall.x * turn.x) + parameters.map_y * fall.y
         - parameters.map_z * (fall.x * turn.y);
-    return LightSample(direction, texel_density(column, row, v));
+    return LightSample(direction, texel_density(of_row * of_column, v));
 }

@@ -6,6 +6,7 @@ use super::args_camera::CameraArguments;
 use super::args_files::{Diff, Merge};
 use super::args_material::MaterialArguments;
 use super::args_output::OutputArguments;
+use super::args_path::PathArguments;
 use super::args_section::SectionArguments;
 use super::args_select::SelectionArguments;
 use super::args_style::StyleArguments;
@@ -141,6 +142,8 @@ pub(super) struct Render {
     pub(super) style: StyleArguments,
     #[command(flatten)]
     pub(super) material: MaterialArguments,
+    #[command(flatten)]
+    pub(super) path: PathArguments,
     #[command(flatten)]
     pub(super) section: SectionArguments,
 }

@@ -4,9 +4,10 @@
 //! alone, whose corners are those of the whole picture, so that tiles fit together to the bit; blocks are what stops early: one pixel's few samples say little of
 //! its error, those of 64 say enough.
 
-use super::cpu::path::{PathSum, WorldGround};
+use super::cpu::path::{BRIGHTEST, PathSum, WorldGround};
 use super::cpu::ray_space::scene_radius;
 use super::cpu::vector::Vector3;
+use super::environment::Shares;
 use super::{Background, Camera, Environment, RenderOptions};
 use crate::image::{Film, Window, decode_srgb};
 use crate::scene::Header;
@@ -60,15 +61,22 @@ impl PathOptions {
         self.axes.unwrap_or([camera.right, camera.up, -camera.forward])
     }
 
-    /// The ground in world space.
-    pub(super) fn world_ground(&self, camera: &Camera, header: &Header) -> Option<WorldGround> {
+    /// The greatest luminance of a path's light that comes by way of several surfaces; positive.
+    pub(super) fn brightest(&self) -> f32 {
+        (self.environment.mean() * BRIGHTEST) as f32 + f32::MIN_POSITIVE
+    }
+
+    /// The ground in world space, and what light on it is sampled by.
+    pub(super) fn world_ground(&self, camera: &Camera, header: &Header) -> Option<(WorldGround, Shares)> {
         let ground = self.ground?;
         let gap = scene_radius(header) * GROUND_GAP;
         let height = ground.height - gap - ground.up.dot(DVec3::from_array(header.world_anchor));
         let in_map = self.map_axes(camera).map(|axis| axis.dot(ground.up));
-        let irradiance = self.environment.irradiance(DVec3::from_array(in_map)) as f32;
+        let in_map = DVec3::from_array(in_map);
+        let irradiance = self.environment.irradiance(in_map) as f32;
         let up = Vector3::from_f64(ground.up.to_array());
-        (irradiance > 0.0).then_some(WorldGround { up, height: height as f32, irradiance })
+        let ground = WorldGround { up, height: height as f32, irradiance };
+        (irradiance > 0.0).then(|| (ground, self.environment.received_shares(in_map)))
     }
 }
 
@@ -222,7 +230,8 @@ mod tests {
             let sum = |&pixel: &u32| {
                 let x = part.left + pixel as usize % part.width;
                 let y = part.top + pixel as usize / part.width;
-                let mut sum = PathSum { color: [0.0; 4], brightness: 0.0, square: 0.0, reserved: [0; 2] };
+                let mut sum =
+                    PathSum { color: [0.0; 4], brightness: 0.0, square: 0.0, is_cut: 0, is_done: 0 };
                 for sample in range.clone() {
                     let key = (x + 50 * y) as u32;
                     let noise = super::super::cpu::camera::hash(key, sample, 0) as f32 / u32::MAX as f32;

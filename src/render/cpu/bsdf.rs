@@ -9,10 +9,10 @@ use crate::scene::Material;
 use std::f32::consts::{PI, TAU};
 
 /// The width of the sharpest highlights: below it f32 and the few samples of a pixel would find none.
-const LEAST_ALPHA: f32 = 2e-3;
+pub const LEAST_ALPHA: f32 = 2e-3;
 
 /// Reflectance of what is no metal, seen head on: that of a refractive index of 1.5.
-const DIELECTRIC: f32 = 0.04;
+pub const DIELECTRIC: f32 = 0.04;
 
 /// A place of a surface as it is seen from one side.
 #[derive(Debug, Clone, Copy)]

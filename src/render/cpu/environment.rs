@@ -12,6 +12,8 @@ use std::f32::consts::{PI, TAU};
 pub struct Surroundings<'a> {
     /// The map.
     pub map: &'a Environment,
+    /// What light on the ground is sampled by, as the map's own [`Environment::shares`]; empty where there is no ground.
+    pub on_ground: &'a [f32],
     /// World-space unit vectors: what the map calls x, y and z.
     pub axes: [Vector3<f32>; 3],
 }
@@ -53,70 +55,64 @@ pub fn light_from(surroundings: &Surroundings<'_>, direction: Vector3<f32>) -> [
     })
 }
 
-/// How densely [`sample_light`] finds a direction, per steradian.
+/// How densely [`sample_light`] finds a direction by the light of the map, per steradian.
 pub fn light_density(surroundings: &Surroundings<'_>, direction: Vector3<f32>) -> f32 {
     let map = surroundings.map;
     let [u, v] = map_place(surroundings, direction);
     let column = ((u * map.width as f32) as u32).min(map.width as u32 - 1);
     let row = ((v * map.height as f32) as u32).min(map.height as u32 - 1);
-    texel_density(surroundings, column, row, v)
+    let share = share_at(&map.shares, 0, row)
+        * share_at(&map.shares, map.height as u32 + row * map.width as u32, column);
+    texel_density(surroundings, share, v)
 }
 
-/// The density within a texel, at the height `v` of the map.
-fn texel_density(surroundings: &Surroundings<'_>, column: u32, row: u32, v: f32) -> f32 {
+/// The density within a texel of a share of all weight, at the height `v` of the map.
+fn texel_density(surroundings: &Surroundings<'_>, share: f32, v: f32) -> f32 {
     let map = surroundings.map;
-    let share = row_share(surroundings, row) * column_share(surroundings, column, row);
     let (sin, _) = Real::sin_cos(v * PI);
     share * (map.width * map.height) as f32 / (TAU * PI * sin.max(1e-5))
 }
 
-fn row_share(surroundings: &Surroundings<'_>, row: u32) -> f32 {
-    let rows = &surroundings.map.rows;
-    rows[row as usize] - if row == 0 { 0.0 } else { rows[row as usize - 1] }
+/// What entry `index` adds to the sums that begin at `first`.
+fn share_at(shares: &[f32], first: u32, index: u32) -> f32 {
+    let at = (first + index) as usize;
+    shares[at] - if index == 0 { 0.0 } else { shares[at - 1] }
 }
 
-fn column_share(surroundings: &Surroundings<'_>, column: u32, row: u32) -> f32 {
-    let map = surroundings.map;
-    let at = row as usize * map.width + column as usize;
-    map.texels[at][3] - if column == 0 { 0.0 } else { map.texels[at - 1][3] }
-}
-
-/// A direction by a point of the unit square, where light comes from.
-pub fn sample_light(surroundings: &Surroundings<'_>, [a, b]: [f32; 2]) -> LightSample {
-    let map = surroundings.map;
-    let (mut low, mut high) = (0, map.height as u32 - 1);
+/// The first of `count` entries from `first` on whose sum is greater than `wanted`, or the last.
+fn find_share(shares: &[f32], first: u32, count: u32, wanted: f32) -> u32 {
+    let (mut low, mut high) = (0, count - 1);
     while low < high {
         let middle = (low + high) / 2;
-        if map.rows[middle as usize] > b {
+        if shares[(first + middle) as usize] > wanted {
             high = middle;
         } else {
             low = middle + 1;
         }
     }
-    let row = low;
-    let first = row as usize * map.width;
-    (low, high) = (0, map.width as u32 - 1);
-    while low < high {
-        let middle = (low + high) / 2;
-        if map.texels[first + middle as usize][3] > a {
-            high = middle;
-        } else {
-            low = middle + 1;
-        }
-    }
-    let column = low;
-    let row_start = map.rows[row as usize] - row_share(surroundings, row);
-    let column_start = map.texels[first + column as usize][3] - column_share(surroundings, column, row);
-    let down = ((b - row_start) / row_share(surroundings, row).max(1e-20)).clamp(0.0, 1.0);
-    let across = ((a - column_start) / column_share(surroundings, column, row).max(1e-20)).clamp(0.0, 1.0);
-    let v = (row as f32 + down) / map.height as f32;
-    let (sin_turn, cos_turn) = Real::sin_cos(((column as f32 + across) / map.width as f32 - 0.5) * TAU);
+    low
+}
+
+/// A direction by a point of the unit square, where light comes from, or light on the ground.
+pub fn sample_light(surroundings: &Surroundings<'_>, on_ground: bool, [a, b]: [f32; 2]) -> LightSample {
+    let map = surroundings.map;
+    let shares = if on_ground { surroundings.on_ground } else { &map.shares };
+    let (width, height) = (map.width as u32, map.height as u32);
+    let row = find_share(shares, 0, height, b);
+    let first = height + row * width;
+    let column = find_share(shares, first, width, a);
+    let (of_row, of_column) = (share_at(shares, 0, row), share_at(shares, first, column));
+    // How far into the texel, counted back from its end.
+    let up = ((shares[row as usize] - b) / of_row.max(1e-20)).clamp(0.0, 1.0);
+    let back = ((shares[(first + column) as usize] - a) / of_column.max(1e-20)).clamp(0.0, 1.0);
+    let v = ((row + 1) as f32 - up) / height as f32;
+    let (sin_turn, cos_turn) = Real::sin_cos((((column + 1) as f32 - back) / width as f32 - 0.5) * TAU);
     let (sin_fall, cos_fall) = Real::sin_cos(v * PI);
     let local = vec3(sin_fall * sin_turn, cos_fall, -sin_fall * cos_turn);
     let [x, y, z] = surroundings.axes;
     LightSample {
         direction: x * local.x + y * local.y + z * local.z,
-        density: texel_density(surroundings, column, row, v),
+        density: texel_density(surroundings, of_row * of_column, v),
     }
 }
 
@@ -127,7 +123,11 @@ mod tests {
     use glam::DVec3;
 
     fn surroundings(map: &Environment) -> Surroundings<'_> {
-        Surroundings { map, axes: [vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0)] }
+        Surroundings {
+            map,
+            on_ground: &[],
+            axes: [vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0)],
+        }
     }
 
     #[test]
@@ -137,7 +137,7 @@ mod tests {
         let (n, count) = (vec3(0.0, 0.0, 1.0), 1 << 14);
         let mut sum = 0.0_f64;
         for sample in 0..count {
-            let found = sample_light(&surroundings, sample_pair(3, sample, 0, 0));
+            let found = sample_light(&surroundings, false, sample_pair(3, sample, 0, 0));
             assert!((found.direction.length() - 1.0).abs() < 1e-5);
             let told = light_density(&surroundings, found.direction);
             assert!((told / found.density - 1.0).abs() < 0.5, "{told} {}", found.density);

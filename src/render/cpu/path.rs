@@ -5,6 +5,9 @@
 //! brightness and the path goes on as the surface scatters; whatever light both ways could have found is weighed by how densely each finds
 //! it (multiple importance sampling, the balance heuristic of Veach 1997). Faces that let light through let a ray pass by chance.
 //!
+//! Light that comes by way of several surfaces is held to [`BRIGHTEST`] times the mean of the surroundings: it would be seldom found and then so bright that
+//! pixels stood out. That is the only light that is lost, and little of it but for caustics of small bright lights.
+//!
 //! The ground catches shadows: it is a plane that is as bright as what the surroundings show behind it, less the share of their light that the model keeps
 //! from it. It ends at [`GROUND_REACH`] radii, where no shadow is left.
 
@@ -24,6 +27,9 @@ use bytemuck::{Pod, Zeroable};
 
 /// How far the ground reaches from the middle of the scene, of the scene's radius.
 pub const GROUND_REACH: f64 = 16.0;
+
+/// How bright the light of one path may be that comes by way of several surfaces, of the mean luminance of the surroundings.
+pub const BRIGHTEST: f64 = 20.0;
 
 /// See-through faces that a ray passes; the last of so many counts as opaque.
 pub const MAX_PASSED: u32 = 16;
@@ -98,8 +104,10 @@ pub struct PathSum {
     pub brightness: f32,
     /// Its square.
     pub square: f32,
-    /// 0.
-    pub reserved: [u32; 2],
+    /// 1 where a kernel ran out of loop turns at the pixel's next ray.
+    pub is_cut: u32,
+    /// 1 where all samples are taken; the CPU does not ask.
+    pub is_done: u32,
 }
 
 const _: () = assert!(size_of::<PathState>() == 144 && size_of::<PathSum>() == 32);
@@ -128,6 +136,8 @@ pub struct Paths<'a, 's> {
     pub camera: &'a Camera,
     /// How paths are traced.
     pub options: &'a PathOptions,
+    /// The greatest luminance of a path's light that comes by way of several surfaces.
+    pub brightest: f32,
     /// Luminance of the background, in the estimate of errors.
     pub behind: f32,
     /// Upper left pixel and width of the part that is rendered.
@@ -322,9 +332,23 @@ fn meet_surroundings(paths: &Paths<'_, '_>, state: &mut PathState, direction: Ve
         weight = state.density / (state.density + light_density(&paths.surroundings, direction));
     }
     let light = light_from(&paths.surroundings, direction);
-    for k in 0..3 {
-        state.light[k] += state.throughput[k] * light[k] * weight;
+    let found = std::array::from_fn(|k| state.throughput[k] * light[k] * weight);
+    let found = if state.bounces > 1 { held(paths, found) } else { found };
+    for (light, found) in state.light.iter_mut().zip(found) {
+        *light += found;
     }
+}
+
+/// Light, no brighter than that by way of several surfaces may be.
+fn held(paths: &Paths<'_, '_>, light: [f32; 3]) -> [f32; 3] {
+    let share = paths.brightest / luminance(light).max(paths.brightest);
+    light.map(|channel| channel * share)
+}
+
+/// The points of the unit square that a path has at its next surface, by number: for light, for where to go on, for choices.
+fn path_points(paths: &Paths<'_, '_>, state: &PathState, pixel: u32) -> impl Fn(u32) -> [f32; 2] + use<> {
+    let (sample, first, seed) = (state.sample_index, 1 + 3 * state.bounces, paths.options.seed);
+    move |number| sample_pair(pixel, sample, first + number, seed)
 }
 
 /// Asks for light at a surface and chooses where to go on; false where the path ends. The origin has been left.
@@ -337,7 +361,7 @@ fn bounce(
 ) -> bool {
     let point =
         |pair: u32| sample_pair(pixel, state.sample_index, 1 + 3 * state.bounces + pair, paths.options.seed);
-    let from = sample_light(&paths.surroundings, point(0));
+    let from = sample_light(&paths.surroundings, false, point(0));
     let [choice, fate] = point(2);
     let next = sample_direction(surface, point(1), choice);
     let mut asked = [0.0; 3];
@@ -346,6 +370,9 @@ fn bounce(
         let light = light_from(&paths.surroundings, from.direction);
         let weight = 1.0 / (from.density + scattered.density);
         asked = std::array::from_fn(|k| state.throughput[k] * scattered.value[k] * light[k] * weight);
+        if state.bounces > 0 {
+            asked = held(paths, asked);
+        }
     }
     let scattered = scatter(surface, next);
     state.bounces += 1;
@@ -409,8 +436,7 @@ fn catch_shadow(
             state.alpha = 1.0;
         }
     }
-    let point = sample_pair(pixel, state.sample_index, 1 + 3 * state.bounces, paths.options.seed);
-    let from = sample_light(&paths.surroundings, point);
+    let from = sample_light(&paths.surroundings, true, path_points(paths, state, pixel)(0));
     let cosine = ground.up.dot(from.direction);
     if cosine <= 0.0 {
         return false;

@@ -1,10 +1,11 @@
 //! Path-traced pictures on the CPU: pixels over threads.
 
 use super::environment::Surroundings;
-use super::path::{DONE, PathState, PathSum, Paths, turn};
+use super::path::{DONE, PathState, PathSum, Paths, WorldGround, turn};
 use super::shade::Shading;
 use super::vector::Vector3;
 use crate::image::Film;
+use crate::render::environment::Shares;
 use crate::render::paths::{behind, paint_paths, path_window};
 use crate::render::{Camera, PathOptions, RenderOptions};
 use crate::scene::Scene;
@@ -24,8 +25,16 @@ pub fn render_paths(
     paths: &PathOptions,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Film {
+    let ground = paths.world_ground(camera, scene.header);
     let painted = paint_paths(options, paths, progress, |pixels, samples| {
-        Ok::<_, Infallible>(take_path_samples(scene, camera, options, paths, pixels, samples))
+        Ok::<_, Infallible>(take_path_samples(
+            scene,
+            camera,
+            options,
+            (paths, ground.as_ref()),
+            pixels,
+            samples,
+        ))
     });
     let mut film = painted.unwrap_or_else(|never| match never {});
     options.background.put_behind(&mut film);
@@ -37,7 +46,7 @@ pub fn take_path_samples(
     scene: &Scene<'_>,
     camera: &Camera,
     options: &RenderOptions,
-    paths: &PathOptions,
+    (paths, ground): (&PathOptions, Option<&(WorldGround, Shares)>),
     pixels: &[u32],
     samples: Range<u32>,
 ) -> Vec<PathSum> {
@@ -46,10 +55,15 @@ pub fn take_path_samples(
     let axes = paths.map_axes(camera).map(|axis| Vector3::from_f64(axis.to_array()));
     let paths = Paths {
         shading: &shading,
-        surroundings: Surroundings { map: &paths.environment, axes },
-        ground: paths.world_ground(camera, scene.header),
+        surroundings: Surroundings {
+            map: &paths.environment,
+            on_ground: ground.map_or(&[], |(_, shares)| shares),
+            axes,
+        },
+        ground: ground.map(|(ground, _)| *ground),
         camera,
         options: paths,
+        brightest: paths.brightest(),
         behind: behind(options),
         window: [window.left, window.top, window.width].map(|n| n as u32),
     };
