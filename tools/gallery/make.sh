@@ -9,11 +9,11 @@ render gear technical --style technical --hidden-lines dashed
 render flange blueprint --style blueprint
 render mug edges --edges feature
 render pipe-tee cut --section -y=50% --camera-direction -0.4,1,-0.5
-render caster path-traced --path-trace --ground --spp 512 --noise 0.006 --fit 0.8
+render caster path-traced --path-trace --ground --spp 256 --noise 0.008 --fit 0.8
 light=$(mktemp -d)
 trap 'rm -r "$light"' EXIT
 python3 tools/gallery/hdri.py "$light/evening.hdr"
-render mug metal --path-trace --ground --spp 512 --noise 0.006 --fit 0.85 --hdri "$light/evening.hdr" --hdri-background --tone-mapping agx \
+render mug metal --path-trace --ground --spp 256 --noise 0.008 --fit 0.85 --hdri "$light/evening.hdr" --hdri-background --tone-mapping agx --exposure 1 \
     --color '#f2d5a0' --metallic 1 --roughness 0.25
 printf '%s\n' '["Felge"]' 'color = "#c8c8cc"' 'metallic = 1' 'roughness = 0.2' '["Reifen"]' 'color = "#202024"' 'roughness = 0.7' > "$light/looks.toml"
 render caster looks --materials "$light/looks.toml" --color '#3d6d9e'

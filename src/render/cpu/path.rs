@@ -29,7 +29,7 @@ use bytemuck::{Pod, Zeroable};
 pub const GROUND_REACH: f64 = 16.0;
 
 /// How bright the light of one path may be that comes by way of several surfaces, of the mean luminance of the surroundings.
-pub const BRIGHTEST: f64 = 20.0;
+pub const BRIGHTEST: f64 = 10.0;
 
 /// See-through faces that a ray passes; the last of so many counts as opaque.
 pub const MAX_PASSED: u32 = 16;
