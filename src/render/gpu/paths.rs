@@ -9,7 +9,7 @@ use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::Film;
 use crate::render::cpu::path::{PathState, PathSum, path_reach};
 use crate::render::cpu::section::WorldSection;
-use crate::render::cpu::take_path_samples;
+use crate::render::cpu::{render_paths, take_path_samples};
 use crate::render::paths::{behind, paint_paths, path_window};
 use crate::render::{Camera, PathOptions, RenderOptions};
 use bytemuck::{Pod, Zeroable};
@@ -68,7 +68,8 @@ impl Gpu {
             return Err(GpuError::TooLarge { array: "map of light", bytes: texels.len() as u64, most });
         }
         let Some((_, placed)) = place_camera(camera, options.resolution, window, header) else {
-            return Err(GpuError::Invalid("the camera is too far from the model".to_owned()));
+            // So far away that there is nothing to do but the surroundings.
+            return Ok(render_paths(&scene.scene, camera, options, paths, progress));
         };
         let found_ground = paths.world_ground(camera, header);
         let ground = found_ground.as_ref().map(|(ground, _)| ground);
