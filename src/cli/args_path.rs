@@ -43,7 +43,7 @@ pub(super) struct PathArguments {
     /// Show the map behind the model.
     #[arg(long, visible_alias = "hdri-skybox", requires = "hdri", conflicts_with_all = ["no_background", "background_color"])]
     pub(super) hdri_background: bool,
-    /// How light that is brighter than a screen is shown in PNG files; EXR files keep it [default: none; neutral with --path-trace].
+    /// How light that is brighter than a screen is shown in PNG files; EXR files keep it [default: none; neutral with --hdri].
     #[arg(long, value_enum, value_name = "CURVE")]
     pub(super) tone_mapping: Option<ToneChoice>,
     /// Brighten PNG files by so many powers of two, -20 to 20.
@@ -64,7 +64,8 @@ pub(super) enum ToneChoice {
 impl PathArguments {
     /// How bright light is shown.
     pub(super) fn tone_mapping(&self) -> ToneMapping {
-        match (self.tone_mapping, self.path_trace) {
+        // The studio's light shows colours as they are; how bright a map is nobody knows.
+        match (self.tone_mapping, self.hdri.is_some()) {
             (Some(ToneChoice::None), _) | (None, false) => ToneMapping::None,
             (Some(ToneChoice::Neutral), _) | (None, true) => ToneMapping::Neutral,
             (Some(ToneChoice::Agx), _) => ToneMapping::Agx,

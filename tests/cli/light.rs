@@ -113,11 +113,12 @@ fn an_exr_map_is_a_map_too_and_tones_leave_exr_files_alone() {
     assert!(plain == exr("b.exr", "--tone-mapping agx --exposure 2"));
     assert!(plain != exr("c.exr", "--hdri a.exr"));
     let shown = |flags: &str| picture(&bench, &format!("--path-trace --spp 4 {flags}"));
-    let neutral = shown("");
-    assert!(neutral == shown("--tone-mapping neutral"));
-    for other in ["--tone-mapping agx", "--tone-mapping none", "--exposure -1"] {
-        assert!(neutral != shown(other), "{other}");
+    let as_it_is = shown("");
+    assert!(as_it_is == shown("--tone-mapping none"));
+    for other in ["--tone-mapping agx", "--tone-mapping neutral", "--exposure -1"] {
+        assert!(as_it_is != shown(other), "{other}");
     }
+    assert!(shown("--hdri a.exr") == shown("--hdri a.exr --tone-mapping neutral"));
     let default = picture(&bench, "");
     assert!(default == picture(&bench, "--tone-mapping none --exposure 0"));
     assert!(default != picture(&bench, "--tone-mapping agx"));
