@@ -90,6 +90,7 @@ Examples:
   trimray render part.step -o sheet.png --view review
   trimray render part.step -o '{view}.png' --view front,top,right --camera-orthographic
   trimray render part.step -o turn.png --frames 36
+  trimray render part.step -o still.png --path-trace --ground --spp 256 --noise 0.01
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
     /// STEP or IGES files, or baked .trimray files.
