@@ -30,7 +30,8 @@ struct PixelRay {
     meets: bool,
 }
 
-fn pixel_ray(camera: Camera, x: f32, y: f32) -> PixelRay {
+// `reach` is how far from the middle of the scene rays count.
+fn pixel_ray(camera: Camera, x: f32, y: f32, reach: f32) -> PixelRay {
     let spacing = header.grid_step;
     let across = camera.right * (2.0 * x / f32(camera.width) - 1.0) + camera.up * (1.0 - 2.0 * y / f32(camera.height));
     var from_center = across;
@@ -54,11 +55,11 @@ fn pixel_ray(camera: Camera, x: f32, y: f32) -> PixelRay {
     result.ray.fraction = camera.fraction + (moved - whole * spacing);
     result.ray.direction = direction;
     result.ray.direction_low = direction_low;
-    let near = max(-to_eye - slide, -2.0 * header.scene_radius);
+    let near = max(-to_eye - slide, -2.0 * reach);
     let near_anchor = whole_steps(near);
     result.near = Distance(near_anchor, near - near_anchor);
     result.slide = slide;
-    result.meets = length(closest) <= header.scene_radius && near <= 2.0 * header.scene_radius;
+    result.meets = length(closest) <= reach && near <= 2.0 * reach;
     return result;
 }
 

@@ -1,6 +1,6 @@
 // Sections on a ray: what of it is kept, and what the cut shows; the twin of render/cpu/section.rs.
 //
-// The twin's `first_seen` and `cap_hit` are states of the loop in shade.wgsl, where `trace` stands once; `accept` goes by the variables here.
+// The twin's `first_seen` and `cap_hit` are in entry/sight.wgsl; `accept` goes by the variables here.
 
 struct SectionPlane {
     normal: vec3<f32>,

@@ -11,7 +11,8 @@ struct Lights {
 
 fn hit_material(hit: RawHit) -> u32 {
     let of_instance = instances[hit.instance].material;
-    return select(of_instance, faces[hit.face].material, of_instance == NO_MATERIAL);
+    let own = select(of_instance, faces[hit.face].material, of_instance == NO_MATERIAL);
+    return own + instances[hit.instance].material_shift;
 }
 
 fn surface_offset() -> f32 {
@@ -26,20 +27,44 @@ fn shade_surface(lights: Lights, n: vec3<f32>, view: vec3<f32>, material: Materi
     let facing = clamp(dot(n, view), 0.0, 1.0);
     let grazing = (1.0 - facing) * (1.0 - facing);
     let rim = grazing * grazing * (1.0 - facing) * open;
-    let gleam = specular(n, view, lights.key) * soft + 0.25 * specular(n, view, lights.fill) * soft;
+    let gloss = gloss_of(material.roughness);
+    let gleam = specular(n, view, lights.key, gloss) * soft + 0.25 * specular(n, view, lights.fill, gloss) * soft;
     let ambient = (AMBIENT_DOWN + (AMBIENT_UP - AMBIENT_DOWN) * sky) * AMBIENT_WEIGHT * open;
     let diffuse = ambient + key * KEY_COLOR + fill * FILL_COLOR;
-    return material.rgb * diffuse + gleam * KEY_COLOR + rim * RIM_COLOR;
+    let skin = material.rgb * diffuse * (1.0 - material.metallic) + gleam * KEY_COLOR + rim * RIM_COLOR;
+    return skin + material.rgb * mirrored(lights, n, view, gloss, open) * material.metallic;
 }
 
-fn specular(n: vec3<f32>, view: vec3<f32>, light: vec3<f32>) -> f32 {
-    let middle = view + light;
-    let norm = length(middle);
-    if norm < 1e-6 || dot(n, light) <= 0.0 {
+fn mirrored(lights: Lights, n: vec3<f32>, view: vec3<f32>, gloss: f32, open: f32) -> vec3<f32> {
+    let soft = 0.35 + 0.65 * open;
+    let height = 0.5 + 0.5 * dot(n * (2.0 * dot(n, view)) - view, lights.up);
+    let sky = height * height * (3.0 - 2.0 * height);
+    let width = gloss / (1.0 + gloss / METAL_BOX);
+    let ambient = (METAL_DOWN + (METAL_UP - METAL_DOWN) * sky) * open;
+    let key = METAL_LIGHT * lobe(n, view, lights.key, width) * soft;
+    let fill = METAL_LIGHT * lobe(n, view, lights.fill, width) * soft;
+    return ambient + key * KEY_COLOR + fill * FILL_COLOR;
+}
+
+fn gloss_of(roughness: f32) -> f32 {
+    let finer = DEFAULT_ROUGHNESS / max(roughness, LEAST_ROUGHNESS);
+    return (GLOSS + 2.0) * (finer * finer) * (finer * finer) - 2.0;
+}
+
+fn specular(n: vec3<f32>, view: vec3<f32>, light: vec3<f32>, gloss: f32) -> f32 {
+    if dot(n, light) <= 0.0 {
         return 0.0;
     }
-    let along = max(dot(n, middle) / norm, 0.0);
-    return SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * pow(along, GLOSS) * dot(n, light);
+    return SPECULAR_REFLECTANCE * (gloss + 8.0) / 8.0 * lobe(n, view, light, gloss) * dot(n, light);
+}
+
+fn lobe(n: vec3<f32>, view: vec3<f32>, light: vec3<f32>, gloss: f32) -> f32 {
+    let middle = view + light;
+    let norm = length(middle);
+    if norm < 1e-6 {
+        return 0.0;
+    }
+    return pow(max(dot(n, middle) / norm, 0.0), gloss);
 }
 
 fn openness(seen: Collected) -> f32 {

@@ -26,7 +26,9 @@ struct Instance {
     flags: u32,
     fraction: vec3<f32>,
     radius: f32,
-    reserved_1: vec4<u32>,
+    material_shift: u32,
+    reserved_1: u32,
+    reserved_2: vec2<u32>,
 }
 
 struct Part {
@@ -89,6 +91,9 @@ struct TrimSegment {
 struct Material {
     rgb: vec3<f32>,
     opacity: f32,
+    roughness: f32,
+    metallic: f32,
+    reserved: vec2<u32>,
 }
 
 // What kernels need of the host's Header.

@@ -4,7 +4,7 @@
 use naga::{Module, TypeInner};
 use std::mem::{offset_of, size_of};
 use trimray::render::Exactness;
-use trimray::render::gpu::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
+use trimray::render::gpu::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
 use trimray::scene::{self, TrimStructure};
 
 const EXACT: Exactness = Exactness::Exact;
@@ -79,7 +79,9 @@ fn records_agree() {
             flags,
             fraction,
             radius,
+            material_shift,
             reserved_1,
+            reserved_2,
         }
     );
     assert_layout!(module, Part { first_node, node_count, first_primitive, primitive_count });
@@ -123,7 +125,7 @@ fn records_agree() {
         }
     );
     assert_layout!(module, TrimSegment { low, high, band, curve });
-    assert_layout!(module, Material { rgb, opacity });
+    assert_layout!(module, Material { rgb, opacity, roughness, metallic, reserved });
 }
 
 /// `e` and `imask`, three bytes and one, are the one word `e_imask` in WGSL.
@@ -198,7 +200,7 @@ fn functions_have_twins() {
         rust.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
     }
     let mut checked = 0;
-    for (stem, text) in FUNCTION_FILES {
+    for (stem, text) in FUNCTION_FILES.into_iter().chain(PATH_FILES) {
         assert!(stem == "elementary" || !read(stem).is_empty(), "shaders/{stem}.wgsl has no twin");
         for line in text.lines() {
             let Some(rest) = line.strip_prefix("fn ") else { continue };

@@ -17,8 +17,7 @@ struct Shaded {
     cap: u32,
 }
 
-// The twin's `shade_center` and `shade_sample`. One loop walks the ray, the rays that look for the sky and the ways out of cut bodies in turn, so that
-// `trace` stands once: a driver copies a function's whole text to each of its calls.
+// The twin's `shade_center` and `shade_sample`. One loop walks the ray and the rays that look for the sky in turn, so that `first_seen` stands once.
 fn shade_layers(
     lights: Lights,
     section: Section,
@@ -38,49 +37,18 @@ fn shade_layers(
     var hit: RawHit;
     var n: vec3<f32>;
     var cap = NO_PLANE;
-    // What the planes leave of the ray, whether a cap may be where that begins, and what is seen if there is none.
-    var way: Kept;
-    var is_pending = false;
-    var found: Collected;
-    if HAS_SECTION {
-        way = kept(section, ray);
-        kept_now = way;
-        let begins = way.plane != NO_PLANE && way.enter > beyond(near, 0.0) && way.enter < way.leave;
-        is_pending = begins && section.caps != 0u;
-        walks = false;
-        settled_count = 0u;
-    }
+    // The way of the ray that is walked now, and that of the pixel's.
+    var cut = view_cut(section, ray, near);
+    var own_cut = cut;
     while layer <= MAX_LAYERS {
-        var seen: Collected;
-        seen.far = far;
-        trace(ray, near, &seen);
+        let sight = first_seen(ray, near, far, &cut);
+        let seen = sight.first;
         var open = 1.0;
         if to_sky {
             open = openness(seen);
         } else {
-            cap = NO_PLANE;
-            if HAS_SECTION && is_pending {
-                if walks {
-                    if seen.count != 0u && dot(hit_normal(seen.hit), ray.direction) > 0.0 {
-                        cap = way.plane;
-                        seen.hit.distance = to_pair(way.enter);
-                    } else if seen.count != 0u && settled_count < MAX_SETTLED {
-                        settled[settled_count] = vec2<u32>(seen.hit.instance, faces[seen.hit.face].body);
-                        settled_count += 1u;
-                        near = seen.hit.distance;
-                        continue;
-                    } else {
-                        seen = found;
-                    }
-                    walks = false;
-                    is_pending = false;
-                } else if seen.count == 0u || beyond(seen.hit.distance, 0.0) >= way.enter {
-                    found = seen;
-                    walks = true;
-                    near = to_pair(way.enter + surface_offset());
-                    continue;
-                }
-            }
+            cap = sight.cap;
+            own_cut = cut;
             if seen.count == 0u {
                 break;
             }
@@ -108,7 +76,7 @@ fn shade_layers(
                     let direction = cosine_direction(n, place.x, place.y);
                     ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
                     if HAS_SECTION {
-                        kept_now = kept(section, ray);
+                        cut = Cut(kept(section, ray), false);
                     }
                     near = Distance(0.0, 0.0);
                     far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
@@ -144,7 +112,7 @@ fn shade_layers(
             break;
         }
         to_sky = false;
-        kept_now = way;
+        cut = own_cut;
         ray = pixel_ray.ray;
         near = Distance(hit.distance.anchor, hit.distance.offset + surface_offset());
         far = Distance(0.0, INFINITE);

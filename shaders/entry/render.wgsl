@@ -60,23 +60,6 @@ struct Refined {
 @group(1) @binding(2) var<storage, read_write> colors: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> centers: array<Center>;
 
-fn accept(collected: ptr<function, Collected>, hit: RawHit) {
-    if HAS_SECTION {
-        if walks {
-            if !may_cap(hit) {
-                return;
-            }
-        } else if !is_kept(hit) {
-            return;
-        }
-    }
-    if (*collected).count == 0u || comes_before(hit, (*collected).hit) {
-        (*collected).hit = hit;
-        (*collected).far = hit.distance;
-    }
-    (*collected).count += 1u;
-}
-
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= parameters.pixel_count {
@@ -92,7 +75,7 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
         vec2<f32>(0.5),
         center_only,
     );
-    let ray = pixel_ray(parameters.camera, f32(x) + offset.x, f32(y) + offset.y);
+    let ray = pixel_ray(parameters.camera, f32(x) + offset.x, f32(y) + offset.y, header.scene_radius);
     var shaded: Shaded;
     shaded.open = 1.0;
     if ray.meets {

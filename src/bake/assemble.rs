@@ -164,7 +164,9 @@ pub(super) fn place(
         flags: 0,
         fraction: at.fraction,
         radius: narrow::above(farthest),
-        reserved_1: [0; 4],
+        material_shift: 0,
+        reserved_1: 0,
+        reserved_2: [0; 2],
     };
     let exact = InstanceF64 {
         part_from_world: [0, 1, 2].map(|i| inverse.row(i).to_array()),

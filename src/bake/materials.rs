@@ -18,7 +18,8 @@ impl MaterialTable {
     /// The index of the material of `color`; of the default one where there is none.
     pub(super) fn index(&mut self, color: Option<Color>) -> u32 {
         let color = color.unwrap_or(DEFAULT_COLOR);
-        let material = Material { rgb: color.rgb.map(linear_from_srgb), opacity: unit(color.opacity) };
+        let material =
+            Material { opacity: unit(color.opacity), ..Material::of_color(color.rgb.map(linear_from_srgb)) };
         let [red, green, blue] = material.rgb.map(f32::to_bits);
         *self.index_of.entry([red, green, blue, material.opacity.to_bits()]).or_insert_with(|| {
             self.materials.push(material);
@@ -64,7 +65,7 @@ mod tests {
     fn odd_numbers_become_valid_materials() {
         let mut table = MaterialTable::default();
         table.index(Some(Color { rgb: [f32::NAN, 7.0, -1.0], opacity: f32::INFINITY }));
-        assert_eq!(table.into_materials()[0], Material { rgb: [0.0, 1.0, 0.0], opacity: 1.0 });
+        assert_eq!(table.into_materials()[0], Material::of_color([0.0, 1.0, 0.0]));
     }
 
     #[test]

@@ -4,7 +4,9 @@ use super::args_bench::Bench;
 use super::args_cache::CacheArguments;
 use super::args_camera::CameraArguments;
 use super::args_files::{Diff, Merge};
+use super::args_material::MaterialArguments;
 use super::args_output::OutputArguments;
+use super::args_path::PathArguments;
 use super::args_section::SectionArguments;
 use super::args_select::SelectionArguments;
 use super::args_style::StyleArguments;
@@ -88,6 +90,7 @@ Examples:
   trimray render part.step -o sheet.png --view review
   trimray render part.step -o '{view}.png' --view front,top,right --camera-orthographic
   trimray render part.step -o turn.png --frames 36
+  trimray render part.step -o still.png --path-trace --ground --spp 256 --noise 0.01
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
     /// STEP or IGES files, or baked .trimray files.
@@ -141,6 +144,10 @@ pub(super) struct Render {
     pub(super) writing: OutputArguments,
     #[command(flatten)]
     pub(super) style: StyleArguments,
+    #[command(flatten)]
+    pub(super) material: MaterialArguments,
+    #[command(flatten)]
+    pub(super) path: PathArguments,
     #[command(flatten)]
     pub(super) section: SectionArguments,
     /// Take the assembly apart: what the model contains moves away from its middle by this share of its distance from there, what that contains in turn by half

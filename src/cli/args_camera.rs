@@ -77,7 +77,7 @@ fn parse_focal_length(text: &str) -> Result<f64, String> {
     }
 }
 
-fn parse_turn(text: &str) -> Result<f64, String> {
+pub(super) fn parse_turn(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(degrees) if degrees.abs() <= 360.0 => Ok(degrees),
         _ => Err("expected degrees from -360 to 360".into()),

@@ -2,11 +2,11 @@
 //! stderr; where the GPU fails under `auto`, the CPU takes over, with the reason.
 
 use super::args::{DeviceChoice, General};
-use crate::image::Film;
+use crate::image::{Film, Layers};
 use crate::render::cpu::{self, Precision};
 #[cfg(feature = "gpu")]
 use crate::render::gpu::{AdapterChoice, Gpu, GpuError, GpuScene};
-use crate::render::{Camera, Exactness, Hit, Ray, RenderOptions};
+use crate::render::{Camera, Exactness, Hit, PathOptions, Ray, RenderOptions};
 use crate::scene::Scene;
 use std::io::Write;
 #[cfg(feature = "gpu")]
@@ -220,6 +220,45 @@ impl<'s> Renderer<'_, '_, 's> {
         }
         self.device.announce_cpu();
         Ok(cpu::render(&self.scene, camera, options, progress))
+    }
+
+    /// Renders a picture of light paths. What its layers tell is not of paths: they are those of a picture without.
+    pub(super) fn render_paths(
+        &mut self,
+        camera: &Camera,
+        options: &RenderOptions,
+        paths: &PathOptions,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> anyhow::Result<Film> {
+        let film = self.trace_paths(camera, options, paths, progress)?;
+        if options.layers == Layers::NONE {
+            return Ok(film);
+        }
+        let plain = RenderOptions {
+            ambient_occlusion: false,
+            samples: options.samples.min(paths.samples),
+            ..*options
+        };
+        let layers = self.render(camera, &plain, &|_, _| {})?;
+        Ok(Film { color: film.color, ..layers })
+    }
+
+    fn trace_paths(
+        &mut self,
+        camera: &Camera,
+        options: &RenderOptions,
+        paths: &PathOptions,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> anyhow::Result<Film> {
+        #[cfg(feature = "gpu")]
+        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
+            match gpu.render_paths(uploaded, camera, options, paths, progress) {
+                Ok(film) => return Ok(film),
+                Err(error) => self.device.fall_back(error)?,
+            }
+        }
+        self.device.announce_cpu();
+        Ok(cpu::render_paths(&self.scene, camera, options, paths, progress))
     }
 
     /// What is rendered.

@@ -145,6 +145,11 @@ impl Output {
         Ok(())
     }
 
+    /// Whether it shows the light of a screen, not that of the scene.
+    pub(super) fn is_shown(&self) -> bool {
+        !matches!(self, Self::Exr(_))
+    }
+
     /// The file, if it is one.
     pub(super) fn path(&self) -> Option<&Path> {
         match self {

@@ -6,10 +6,13 @@ use super::Failure;
 use super::args::{AovChoice, DeviceChoice, General, Render};
 use super::args_output::{BitDepthChoice, layers};
 use super::args_select::SelectionArguments;
+use super::args_style::StyleChoice;
 use super::device::{Device, Renderer};
 use super::id_map::IdMap;
 use super::load::{Purpose, load, nothing};
+use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
+use super::path::{environment, path_options};
 use super::progress::Progress;
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
 use super::section;
@@ -21,8 +24,7 @@ use super::window::window;
 use crate::bake::explode;
 use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
 use crate::render::section::Section;
-use crate::render::{Background, Camera, RenderOptions};
-use crate::scene::{Material, Scene};
+use crate::render::{Background, Camera, Environment, PathOptions, RenderOptions};
 use anyhow::Context;
 use std::collections::HashSet;
 use std::io::Write;
@@ -39,7 +41,9 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
         (true, _) => Some(Background::Transparent),
         (false, color) => color.map(Background::Color),
     };
-    let look = look(&command.style, background)?;
+    let look = look(&command.style, background, &command.path)?;
+    let looks = looks(&command.material)?;
+    let environment = environment(&command.path)?;
     let maps = id_maps(command)?;
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
@@ -49,7 +53,14 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
         let mut own = InputReport::default();
         let task =
             Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
-        let result = render_input(&task, command, &look, general, &mut device, &mut own);
+        let result = render_input(
+            &task,
+            command,
+            (&look, &looks, environment.as_ref()),
+            general,
+            &mut device,
+            &mut own,
+        );
         let result = report.add(own, input, result);
         match result {
             Err(error) if is_batch && !super::is_broken_pipe(&error) => {
@@ -85,6 +96,16 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
     if has_window && stills.clone().any(|still| still.views.len() > 1 || still.frames.len() > 1) {
         return usage(
             "--cropwindow and --tile need a file for each view and frame: put {view} and {frame} in its name",
+        );
+    }
+    if command.style.style != StyleChoice::Shaded && command.path.path_trace {
+        return usage(
+            "the styles technical and blueprint have a light of their own: leave out --path-trace or the --style",
+        );
+    }
+    if command.style.style != StyleChoice::Shaded && !command.material.is_empty() {
+        return usage(
+            "the styles technical and blueprint have looks of their own: leave out --color and its like",
         );
     }
     if has_window && command.style.has_lines() {
@@ -137,7 +158,7 @@ fn id_maps(command: &Render) -> Result<Vec<PathBuf>, Failure> {
 fn render_input(
     task: &Task<'_>,
     command: &Render,
-    look: &Look,
+    (look, looks, environment): (&Look, &Looks, Option<&Environment>),
     general: &General,
     device: &mut Device<'_>,
     report: &mut InputReport,
@@ -168,9 +189,10 @@ fn render_input(
         .transpose()
         .with_context(|| format!("{}: --explode {}", input.display(), command.explode))?;
     let scene = exploded.as_ref().map_or(scene, |exploded| exploded.of(&scene));
-    let materials: Vec<Material> = look.style.materials(scene.materials);
-    let instances = section::instances(&command.section, &scene, input)?;
-    let scene = Scene { materials: &materials, instances: &instances, ..scene };
+    let mut overridden = overridden(looks, &scene, input)?;
+    look.style.recolor_materials(&mut overridden.materials);
+    section::exclude(&command.section, &scene, &mut overridden.instances, input)?;
+    let scene = overridden.of(&scene);
     let section = section::section(&command.section, &scene)?;
     let paths = scene.metadata.instances.iter().map(|info| info.path.as_str());
     let part_names = unique_names(paths);
@@ -183,10 +205,14 @@ fn render_input(
     let framed = focused.as_ref().map_or(scene, |kept| kept.of(&scene));
     let cameras = view::cameras(&command.camera, &framed, &section, command.resolution);
     let pictures = cameras.iter().map(Vec::len).sum();
+    let paths = environment.map(|environment| {
+        path_options(&command.path, environment.clone(), &scene, &section, command.camera.up)
+    });
     let mut job = Job {
         command,
         look,
         options: RenderOptions { window: task.window, section, ..options(command, look) },
+        paths,
         part_names,
         renderer: device.renderer(scene)?,
         cameras,
@@ -221,6 +247,8 @@ struct Job<'j, 'a, 's> {
     command: &'j Render,
     look: &'j Look,
     options: RenderOptions,
+    /// How light paths are traced; none where they are not.
+    paths: Option<PathOptions>,
     /// By instance, for Cryptomatte.
     part_names: Vec<String>,
     renderer: Renderer<'j, 'a, 's>,
@@ -296,10 +324,16 @@ impl Job<'_, '_, '_> {
             let (done, pictures) = (self.done, self.pictures);
             let progress = &self.progress;
             let tell = |part, of| progress.tell(done * of + part, pictures * of);
-            let mut film = match self.command.aov {
-                Some(AovChoice::TrimTests) => self.renderer.render_trim_tests(&camera, &self.options, &tell),
-                None => self.renderer.render(&camera, &self.options, &tell)?,
+            let mut film = match (self.command.aov, &self.paths) {
+                (Some(AovChoice::TrimTests), _) => {
+                    self.renderer.render_trim_tests(&camera, &self.options, &tell)
+                }
+                (None, Some(paths)) => self.renderer.render_paths(&camera, &self.options, paths, &tell)?,
+                (None, None) => self.renderer.render(&camera, &self.options, &tell)?,
             };
+            if still.output.is_shown() {
+                self.look.develop(&mut film);
+            }
             self.look.finish(&camera, &self.options, &mut film, &mut self.renderer)?;
             films.push(film);
             self.done += 1;

@@ -20,17 +20,17 @@ pub(super) fn section(flags: &SectionArguments, scene: &Scene<'_>) -> Result<Sec
     })
 }
 
-/// The scene's instances, those marked that no plane cuts.
+/// Marks those of a scene's instances that no plane cuts.
 ///
 /// # Errors
 ///
 /// A pattern that means no part.
-pub(super) fn instances(
+pub(super) fn exclude(
     flags: &SectionArguments,
     scene: &Scene<'_>,
+    instances: &mut [Instance],
     path: &Path,
-) -> Result<Vec<Instance>, Failure> {
-    let mut instances = scene.instances.to_vec();
+) -> Result<(), Failure> {
     for pattern in &flags.section_exclude {
         let mut is_meant = false;
         for (instance, info) in instances.iter_mut().zip(&scene.metadata.instances) {
@@ -52,5 +52,5 @@ pub(super) fn instances(
             return Err(Failure::Usage(reason));
         }
     }
-    Ok(instances)
+    Ok(())
 }

@@ -91,10 +91,25 @@ pub(super) fn select_of_scene(
     Ok(Some(Box::new(kept)))
 }
 
-/// What some patterns mean in a scene: one by one, without what follows from it.
-struct Choice {
-    instances: Vec<bool>,
-    faces: Vec<bool>,
+/// What each of some patterns means in a scene.
+///
+/// # Errors
+///
+/// A pattern that means nothing.
+pub(super) fn meant(scene: &Scene<'_>, patterns: &[&Pattern], path: &Path) -> Result<Vec<Choice>, Failure> {
+    let mut census = Census::new(patterns.iter().copied());
+    let mut choices = Vec::with_capacity(patterns.len());
+    for &pattern in patterns {
+        choices.push(Choice::of(scene, std::slice::from_ref(pattern), &mut census));
+    }
+    census.check(path)?;
+    Ok(choices)
+}
+
+/// What some patterns mean in a scene, a truth for each instance and each face: one by one, without what follows from it.
+pub(super) struct Choice {
+    pub(super) instances: Vec<bool>,
+    pub(super) faces: Vec<bool>,
 }
 
 impl Choice {

@@ -1,9 +1,10 @@
 //! From the flags of style and lines to what is done to a picture.
 
 use super::Failure;
+use super::args_path::PathArguments;
 use super::args_style::StyleArguments;
 use super::device::Renderer;
-use crate::image::Film;
+use crate::image::{Film, ToneMapping};
 use crate::render::lines::{HiddenLines, LineOptions, line_coverage};
 use crate::render::{Background, Camera, Hit, Ray, RenderOptions, Style, first_in_section};
 
@@ -14,6 +15,9 @@ pub(super) struct Look {
     lines: Option<LineOptions>,
     line_color: [f32; 3],
     background: Background,
+    tones: ToneMapping,
+    /// Powers of two.
+    exposure: f32,
 }
 
 /// The look that is asked for; `background` where one is asked for by its colour, or by its absence.
@@ -21,7 +25,11 @@ pub(super) struct Look {
 /// # Errors
 ///
 /// What is said of lines where none are drawn.
-pub(super) fn look(flags: &StyleArguments, background: Option<Background>) -> Result<Look, Failure> {
+pub(super) fn look(
+    flags: &StyleArguments,
+    background: Option<Background>,
+    light: &PathArguments,
+) -> Result<Look, Failure> {
     let about_lines = [
         ("--edge-width", flags.edge_width.is_some()),
         ("--edge-color", flags.edge_color.is_some()),
@@ -46,6 +54,8 @@ pub(super) fn look(flags: &StyleArguments, background: Option<Background>) -> Re
         lines,
         line_color: flags.edge_color.unwrap_or(style.line_color()),
         background: background.unwrap_or(Background::Color(style.paper())),
+        tones: light.tone_mapping(),
+        exposure: light.exposure,
     })
 }
 
@@ -62,10 +72,22 @@ impl Look {
 
     /// What the faces are rendered before: nothing where more is laid over them.
     pub(super) fn rendered_background(&self) -> Background {
-        if self.lines.is_some() || self.style != Style::Shaded {
+        if self.lines.is_some() || self.style != Style::Shaded || self.has_tones() {
             Background::Transparent
         } else {
             self.background
+        }
+    }
+
+    /// Whether light is shown other than as it is.
+    fn has_tones(&self) -> bool {
+        self.tones != ToneMapping::None || self.exposure != 0.0
+    }
+
+    /// Turns the light of the scene into that of a screen. The background is a screen's already, so that it comes later.
+    pub(super) fn develop(&self, film: &mut Film) {
+        if self.has_tones() {
+            film.develop(self.tones, self.exposure);
         }
     }
 

@@ -11,10 +11,12 @@ mod diff;
 mod exr;
 mod files;
 mod film;
+mod light_map;
 mod merge;
 mod picture;
 mod png;
 mod ramp;
+mod tone;
 
 pub use animation::Animation;
 pub use compare::{Difference, SizesDiffer, compare};
@@ -23,7 +25,9 @@ pub use diff::{ChannelDifference, ImageDifference, NotComparable, Numbers, diff}
 pub use exr::write_exr;
 pub use files::{ImageError, write as write_file};
 pub use film::{Film, Layers, Window};
+pub use light_map::LightMap;
 pub use merge::{MergeError, merge_exr, merge_png};
 pub use picture::{DeepPicture, Picture, decode_srgb, encode_srgb};
 pub use png::{BitDepth, decode_png, encode_film, encode_png, read_png, write_png};
 pub use ramp::heat_color;
+pub use tone::ToneMapping;

@@ -38,13 +38,10 @@ impl Style {
         }
     }
 
-    /// The materials that faces are rendered with: white ones where the style has its own colours.
-    pub fn materials(self, own: &[Material]) -> Vec<Material> {
-        match self {
-            Self::Shaded => own.to_vec(),
-            Self::Technical | Self::Blueprint => {
-                own.iter().map(|material| Material { rgb: [1.0; 3], ..*material }).collect()
-            }
+    /// Makes materials white where the style has its own colours.
+    pub fn recolor_materials(self, materials: &mut [Material]) {
+        if self != Self::Shaded {
+            materials.iter_mut().for_each(|material| material.rgb = [1.0; 3]);
         }
     }
 

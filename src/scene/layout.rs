@@ -90,8 +90,12 @@ pub struct Instance {
     pub fraction: [f32; 3],
     /// Radius around the part's origin that holds the whole part, part space.
     pub radius: f32,
+    /// Added to the index of the material, the occurrence's or the face's: where looks are overridden, those of the instance stand together. 0 in a file.
+    pub material_shift: u32,
     /// Unused, 0.
-    pub reserved_1: [u32; 4],
+    pub reserved_1: u32,
+    /// Unused, 0.
+    pub reserved_2: [u32; 2],
 }
 
 impl Instance {
@@ -266,7 +270,7 @@ pub fn bend_bound(byte: u32) -> f32 {
 /// The upper 12 bits of 2⁻⁶.
 const BEND_BIAS: u32 = 121 << 3;
 
-/// What a face looks like. 16 bytes.
+/// What a face looks like. 32 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Material {
@@ -274,6 +278,22 @@ pub struct Material {
     pub rgb: [f32; 3],
     /// 1 is opaque.
     pub opacity: f32,
+    /// 0 is a mirror, 1 is chalk; the width of highlights is its square, as in glTF.
+    pub roughness: f32,
+    /// 0 is plastic or paint, 1 is bare metal.
+    pub metallic: f32,
+    /// Unused, 0.
+    pub reserved: [u32; 2],
+}
+
+impl Material {
+    /// The roughness where a file tells none, as all CAD files do.
+    pub const DEFAULT_ROUGHNESS: f32 = 0.45;
+
+    /// An opaque one that is like paint, of a linear-light colour.
+    pub const fn of_color(rgb: [f32; 3]) -> Self {
+        Self { rgb, opacity: 1.0, roughness: Self::DEFAULT_ROUGHNESS, metallic: 0.0, reserved: [0; 2] }
+    }
 }
 
 /// A face in f64, same meaning as in [`Face`]. 160 bytes.

@@ -13,7 +13,7 @@ fn records_have_their_documented_sizes() {
     assert_eq!(size_of::<Net>(), 32);
     assert_eq!(size_of::<NetLeaf>(), 64);
     assert_eq!(size_of::<TrimSegment>(), 24);
-    assert_eq!(size_of::<Material>(), 16);
+    assert_eq!(size_of::<Material>(), 32);
     assert_eq!(size_of::<EdgePiece>(), 48);
     assert_eq!(size_of::<FaceF64>(), 160);
     assert_eq!(size_of::<InstanceF64>(), 96);

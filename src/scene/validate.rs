@@ -3,7 +3,7 @@
 use super::validate_edges::edges;
 use super::validate_trees::bvh;
 use super::validate_trims::trims;
-use super::{FaceKind, MAX_DEGREE, NO_MATERIAL, Scene, primitive};
+use super::{FaceKind, MAX_DEGREE, Material, NO_MATERIAL, Scene, primitive};
 
 /// Grid coordinates stay within this, so that their differences are exact.
 const MAX_STEPS: u32 = 1 << 30;
@@ -39,7 +39,8 @@ pub fn validate(scene: &Scene<'_>) -> Result<(), InvalidScene> {
     nets(scene)?;
     leaves(scene)?;
     for (index, material) in scene.materials.iter().enumerate() {
-        let channels = [material.rgb[0], material.rgb[1], material.rgb[2], material.opacity];
+        let Material { rgb: [red, green, blue], opacity, roughness, metallic, .. } = *material;
+        let channels = [red, green, blue, opacity, roughness, metallic];
         let valid = channels.iter().all(|x| (0.0..=1.0).contains(x));
         require(valid, "materials", index, "a channel is outside of 0..=1")?;
     }
@@ -85,6 +86,7 @@ fn instances(scene: &Scene<'_>) -> Check {
             instance.material == NO_MATERIAL || (instance.material as usize) < scene.materials.len(),
             "no such material",
         )?;
+        check(instance.material_shift == 0, "its materials are shifted")?;
         check(on_grid(instance.grid), "it lies outside of the grid")?;
         let numbers: [&[f32]; 5] = [
             &instance.part_from_world_0,

@@ -3,6 +3,8 @@
 mod camera;
 mod cube;
 mod kept;
+mod light;
+mod material;
 mod output;
 mod section;
 mod selection;

@@ -6,6 +6,7 @@
 mod compare;
 mod layers;
 mod lines;
+mod paths;
 mod sections;
 mod synthetic;
 mod trims;

@@ -73,8 +73,8 @@ pub fn every_kind() -> SceneBuffers {
     scene.bvh_nodes.extend(nodes);
     scene.primitives.extend(order.iter().map(|&index| primitives.words[index as usize]));
     scene.materials = vec![
-        Material { rgb: [0.8, 0.5, 0.3], opacity: 1.0 },
-        Material { rgb: [0.2, 0.5, 0.9], opacity: 0.4 },
+        Material::of_color([0.8, 0.5, 0.3]),
+        Material { opacity: 0.4, roughness: 0.2, metallic: 0.6, ..Material::of_color([0.2, 0.5, 0.9]) },
     ];
     scene
 }
@@ -135,7 +135,9 @@ fn instance(turn: DMat3, origin: DVec3, radius: f32) -> Instance {
         flags: 0,
         fraction: (origin - grid * GRID_STEP).as_vec3().to_array(),
         radius,
-        reserved_1: [0; 4],
+        material_shift: 0,
+        reserved_1: 0,
+        reserved_2: [0; 2],
     }
 }
 

@@ -9,4 +9,22 @@ render gear technical --style technical --hidden-lines dashed
 render flange blueprint --style blueprint
 render mug edges --edges feature
 render pipe-tee cut --section -y=50% --camera-direction -0.4,1,-0.5
+light=$(mktemp -d)
+trap 'rm -r "$light"' EXIT
+cat > "$light/looks.toml" <<'LOOKS'
+["Felge"]
+color = "#c8c8cc"
+metallic = 1
+roughness = 0.25
+
+["Reifen"]
+color = "#202024"
+roughness = 0.7
+LOOKS
+python3 tools/gallery/hdri.py "$light/evening.hdr"
+looks=(--materials "$light/looks.toml" --color '#3d6d9e')
+render caster looks "${looks[@]}" --fit 0.8
+render caster path-traced "${looks[@]}" --fit 0.8 --path-trace --ground --spp 256 --noise 0.008
+render mug metal --color '#f2d5a0' --metallic 1 --roughness 0.25 --fit 0.85 --path-trace --ground --spp 256 --noise 0.008 \
+    --hdri "$light/evening.hdr" --hdri-background --tone-mapping agx --exposure 1
 "$trimray" render -q --device cpu --resolution 300,200 fixtures/castle-nut/model.step -o docs/gallery/review.png --view review

@@ -19,8 +19,18 @@ pub const AMBIENT_DOWN: [f32; 3] = [0.62, 0.60, 0.58];
 pub const AMBIENT_WEIGHT: f32 = 0.42;
 /// Along silhouettes.
 pub const RIM_COLOR: [f32; 3] = [0.10, 0.105, 0.115];
-/// Blinn's exponent.
+/// Blinn's exponent at the default roughness.
 pub const GLOSS: f32 = 48.0;
+/// Highlights of smoother surfaces would fall between samples.
+pub const LEAST_ROUGHNESS: f32 = 0.1;
+/// How bright metal mirrors the key and the fill light.
+pub const METAL_LIGHT: f32 = 1.5;
+/// Blinn's exponent of a lobe as wide as those lights.
+pub const METAL_BOX: f32 = 24.0;
+/// The sky that metal mirrors: with more contrast than the one that lights, or metal would look like clay.
+pub const METAL_UP: [f32; 3] = [0.95, 0.95, 0.97];
+/// The ground that metal mirrors.
+pub const METAL_DOWN: [f32; 3] = [0.10, 0.098, 0.095];
 /// Reflectance of the highlight, as of a dielectric coat.
 pub const SPECULAR_REFLECTANCE: f32 = 0.02;
 /// Reach of ambient occlusion, of the scene's radius (half its diagonal).

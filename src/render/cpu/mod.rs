@@ -11,10 +11,12 @@
 pub(super) mod adaptive;
 pub(super) mod analytic;
 pub(super) mod bernstein;
+pub(super) mod bsdf;
 pub(super) mod bvh;
 pub(super) mod camera;
 mod choice;
 pub(super) mod cover;
+pub(super) mod environment;
 pub(super) mod footprint;
 pub(super) mod frames;
 mod heat;
@@ -24,6 +26,8 @@ pub(super) mod light;
 mod net;
 mod occlusion;
 mod parity;
+pub(super) mod path;
+mod paths;
 pub(super) mod pixels;
 mod planes;
 pub(super) mod probe;
@@ -33,6 +37,7 @@ mod render;
 pub(super) mod section;
 pub(super) mod shade;
 mod slab;
+mod sobol;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
@@ -45,13 +50,14 @@ mod adaptive_tests;
 #[cfg(test)]
 mod exactness_tests;
 #[cfg(test)]
-mod test_scenes;
+pub(super) mod test_scenes;
 #[cfg(test)]
 mod tests;
 
 pub use self::camera::pixel_ray;
 pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
+pub use self::paths::{render_paths, take_path_samples};
 pub use self::probe::{probe, probe_with};
 pub use self::queries::{TrimQuery, answer, answers_counted, trim_queries};
 pub use self::render::render;

@@ -121,8 +121,12 @@ pub fn whole_steps<T: Real>(value: T, step: T) -> T {
 
 /// Brings a ray into the world's grid; `None` where it cannot meet the scene.
 pub fn prepare<T: Real>(ray: &Ray, header: &Header) -> Option<PreparedRay<T>> {
+    place(ray, header, scene_radius(header))
+}
+
+/// Brings a ray into the world's grid; `None` where it cannot come as near as `radius` to the world's origin.
+pub fn place<T: Real>(ray: &Ray, header: &Header, radius: f64) -> Option<PreparedRay<T>> {
     let step = header.grid_step;
-    let radius = scene_radius(header);
     let direction = ray.direction.try_normalize()?;
     let from_anchor = ray.origin - DVec3::from_array(header.world_anchor);
     let along = -from_anchor.dot(direction);

@@ -4,10 +4,11 @@ use super::camera::{hash, pixel_key, unit};
 use super::hit::hit_normal;
 use super::light::{
     AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
-    OCCLUSION_RADIUS, RIM_COLOR, SPECULAR_REFLECTANCE, SURFACE_OFFSET,
+    LEAST_ROUGHNESS, METAL_BOX, METAL_DOWN, METAL_LIGHT, METAL_UP, OCCLUSION_RADIUS, RIM_COLOR,
+    SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
 use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
-use super::ray_space::{Distance, PreparedRay, WorldRay, prepare, scene_radius, whole_steps};
+use super::ray_space::{Distance, WorldRay, prepare, scene_radius, whole_steps};
 use super::section::{
     Cut, NO_PLANE, Seen, WorldSection, first_hit_of, first_seen, hatch, is_kept, kept, section_plane,
 };
@@ -50,7 +51,7 @@ pub struct Shading<'a, 's> {
     /// How to render.
     pub options: &'a RenderOptions,
     /// What the scene is cut down to; `None` where nothing is cut.
-    section: Option<WorldSection>,
+    pub(super) section: Option<WorldSection>,
 }
 
 impl<'a, 's> Shading<'a, 's> {
@@ -62,9 +63,9 @@ impl<'a, 's> Shading<'a, 's> {
     }
 
     /// The way of a ray through the section.
-    fn cut(&self, prepared: &PreparedRay<f32>) -> Option<Cut> {
+    pub(super) fn cut(&self, ray: &WorldRay<f32>, near: Distance<f32>) -> Option<Cut> {
         let step = self.scene.header.grid_step as f32;
-        self.section.as_ref().map(|section| Cut::new(section, &prepared.ray, prepared.near, step))
+        self.section.as_ref().map(|section| Cut::new(section, ray, near, step))
     }
 }
 
@@ -85,7 +86,7 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     let mut center = Center { open: 1.0, ..Center::zeroed() };
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
     let exactness = shading.options.exactness;
-    let mut cut = shading.cut(&prepared);
+    let mut cut = shading.cut(&prepared.ray, prepared.near);
     let Some(seen) = first_seen(scene, exactness, &prepared.ray, prepared.near, &mut cut) else {
         return center;
     };
@@ -134,7 +135,7 @@ pub fn shade_sample(
     let mut shaded = Shaded::default();
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return shaded };
     let mut near = prepared.near;
-    let mut cut = shading.cut(&prepared);
+    let mut cut = shading.cut(&prepared.ray, prepared.near);
     for layer in 1..=MAX_LAYERS {
         let seen = first_seen(scene, shading.options.exactness, &prepared.ray, near, &mut cut);
         let Some(seen) = seen else { break };
@@ -213,7 +214,7 @@ pub fn is_other(lit: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
 }
 
 /// The normal of what is seen, towards the eye.
-fn visible_normal(shading: &Shading<'_, '_>, ray: &WorldRay<f32>, seen: &Seen) -> Vector3<f32> {
+pub(super) fn visible_normal(shading: &Shading<'_, '_>, ray: &WorldRay<f32>, seen: &Seen) -> Vector3<f32> {
     let outward = match &shading.section {
         Some(section) if seen.cap != NO_PLANE => section_plane(section, seen.cap).normal,
         _ => hit_normal(shading.scene, &seen.hit),
@@ -224,8 +225,8 @@ fn visible_normal(shading: &Shading<'_, '_>, ray: &WorldRay<f32>, seen: &Seen) -
 /// The look of a face as an instance shows it: the occurrence's, else the face's.
 pub fn hit_material(scene: &Scene<'_>, instance: u32, face: u32) -> Material {
     let of_instance = scene.instances[instance as usize].material;
-    let index = if of_instance == NO_MATERIAL { scene.faces[face as usize].material } else { of_instance };
-    scene.materials[index as usize]
+    let own = if of_instance == NO_MATERIAL { scene.faces[face as usize].material } else { of_instance };
+    scene.materials[(own + scene.instances[instance as usize].material_shift) as usize]
 }
 
 /// How far from a surface secondary rays start.
@@ -271,25 +272,59 @@ pub fn shade_surface(
     let facing = n.dot(view).clamp(0.0, 1.0);
     let grazing = (1.0 - facing) * (1.0 - facing);
     let rim = grazing * grazing * (1.0 - facing) * open;
-    let gleam = specular(n, view, lights.key) * soft + 0.25 * specular(n, view, lights.fill) * soft;
+    let gloss = gloss_of(material.roughness);
+    let gleam =
+        specular(n, view, lights.key, gloss) * soft + 0.25 * specular(n, view, lights.fill, gloss) * soft;
+    let mirrored = mirrored(lights, n, view, gloss, open);
     let mut out = [0.0; 3];
     for k in 0..3 {
         let ambient = (AMBIENT_DOWN[k] + (AMBIENT_UP[k] - AMBIENT_DOWN[k]) * sky) * AMBIENT_WEIGHT * open;
         let diffuse = ambient + key * KEY_COLOR[k] + fill * FILL_COLOR[k];
-        out[k] = material.rgb[k] * diffuse + gleam * KEY_COLOR[k] + rim * RIM_COLOR[k];
+        let skin = material.rgb[k] * diffuse * (1.0 - material.metallic);
+        out[k] = skin + gleam * KEY_COLOR[k] + rim * RIM_COLOR[k];
+        out[k] += material.rgb[k] * mirrored[k] * material.metallic;
     }
     out
 }
 
+/// What a surface with normal `n` would mirror of the environment if it were of white metal.
+fn mirrored(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, gloss: f32, open: f32) -> [f32; 3] {
+    let soft = 0.35 + 0.65 * open;
+    let height = 0.5 + 0.5 * (n * (2.0 * n.dot(view)) - view).dot(lights.up);
+    let sky = height * height * (3.0 - 2.0 * height);
+    // However smooth the surface, the lights are as wide as they are.
+    let width = gloss / (1.0 + gloss / METAL_BOX);
+    let key = METAL_LIGHT * lobe(n, view, lights.key, width) * soft;
+    let fill = METAL_LIGHT * lobe(n, view, lights.fill, width) * soft;
+    std::array::from_fn(|k| {
+        let ambient = (METAL_DOWN[k] + (METAL_UP[k] - METAL_DOWN[k]) * sky) * open;
+        ambient + key * KEY_COLOR[k] + fill * FILL_COLOR[k]
+    })
+}
+
+/// Blinn's exponent for a roughness: his lobe is as wide as that of a microfacet distribution of width α = roughness² where the exponent is 2/α² − 2
+/// (Walter et al. 2007). [`GLOSS`] is that of the default roughness, to the bit.
+fn gloss_of(roughness: f32) -> f32 {
+    let finer = Material::DEFAULT_ROUGHNESS / roughness.max(LEAST_ROUGHNESS);
+    (GLOSS + 2.0) * (finer * finer) * (finer * finer) - 2.0
+}
+
 /// Blinn's highlight, normalised so that its energy does not depend on the gloss.
-fn specular(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>) -> f32 {
-    let half = view + light;
-    let length = half.length();
-    if length < 1e-6 || n.dot(light) <= 0.0 {
+fn specular(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>, gloss: f32) -> f32 {
+    if n.dot(light) <= 0.0 {
         return 0.0;
     }
-    let along = (n.dot(half) / length).max(0.0);
-    SPECULAR_REFLECTANCE * (GLOSS + 8.0) / 8.0 * along.powf(GLOSS) * n.dot(light)
+    SPECULAR_REFLECTANCE * (gloss + 8.0) / 8.0 * lobe(n, view, light, gloss) * n.dot(light)
+}
+
+/// Blinn's lobe: 1 where the light is mirrored to the eye.
+fn lobe(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>, gloss: f32) -> f32 {
+    let half = view + light;
+    let length = half.length();
+    if length < 1e-6 {
+        return 0.0;
+    }
+    (n.dot(half) / length).max(0.0).powf(gloss)
 }
 
 /// The share of the sky seen from a hit, by one ray drawn from a cosine distribution by two numbers in 0..1; near blockers count more than far ones.
@@ -335,7 +370,7 @@ fn sky_sample(pixel: u32, sample: u32, samples: u32) -> [f32; 2] {
 }
 
 /// A ray from a hit, `offset` above the surface.
-fn leave_surface(
+pub(super) fn leave_surface(
     scene: &Scene<'_>,
     ray: &WorldRay<f32>,
     hit: &RawHit<f32>,

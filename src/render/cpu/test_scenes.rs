@@ -141,7 +141,7 @@ pub fn scene_of(faces: &[TestFace], placements: &[DAffine3]) -> SceneBuffers {
             ..Header::default()
         },
         metadata: Metadata { bodies: vec![BodyInfo::default()], ..Metadata::default() },
-        materials: vec![Material { rgb: [0.5, 0.55, 0.6], opacity: 1.0 }],
+        materials: vec![Material::of_color([0.5, 0.55, 0.6])],
         ..SceneBuffers::default()
     };
     // Part space is centred.
@@ -190,7 +190,9 @@ fn add_instance(
         flags: 0,
         fraction: f32s(fraction),
         radius: radius as f32,
-        reserved_1: [0; 4],
+        material_shift: 0,
+        reserved_1: 0,
+        reserved_2: [0; 2],
     });
     scene.instances_f64.push(InstanceF64 {
         part_from_world: [0, 1, 2].map(|k| row(k).to_array()),

@@ -7,12 +7,12 @@
 
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
-use crate::render::cpu::{light, pixels, section, shade};
+use crate::render::cpu::{bsdf, light, path, pixels, section, shade};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::render::section::MAX_PLANES;
 use crate::scene::{
-    Band, Face, FaceKind, Header, Instance, MAX_DEGREE, MAX_TREE_DEPTH, NO_MATERIAL, TRIM_INSIDE, TrimMethod,
-    TrimSegment, TrimStructure, primitive, trim_study, trim_word,
+    Band, Face, FaceKind, Header, Instance, MAX_DEGREE, MAX_TREE_DEPTH, Material, NO_MATERIAL, TRIM_INSIDE,
+    TrimMethod, TrimSegment, TrimStructure, primitive, trim_study, trim_word,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -30,6 +30,8 @@ pub(super) const MOST_ELEMENTS: usize = 65_472;
 pub enum Entry {
     /// Pictures.
     Render,
+    /// Path-traced pictures.
+    Paths,
     /// Hits of given rays.
     Probe,
     /// Whether given points are inside trims.
@@ -38,12 +40,13 @@ pub enum Entry {
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Render, Self::Probe, Self::Trim];
+    pub const ALL: [Self; 4] = [Self::Render, Self::Paths, Self::Probe, Self::Trim];
 
     /// The name of its file and of its only entry point.
     fn name(self) -> &'static str {
         match self {
             Self::Render => "render",
+            Self::Paths => "paths",
             Self::Probe => "probe",
             Self::Trim => "trim",
         }
@@ -53,7 +56,14 @@ impl Entry {
         match self {
             Self::Render => concat!(
                 include_str!("../../../shaders/entry/render.wgsl"),
-                include_str!("../../../shaders/entry/pixel.wgsl")
+                include_str!("../../../shaders/entry/pixel.wgsl"),
+                include_str!("../../../shaders/entry/sight.wgsl")
+            ),
+            Self::Paths => concat!(
+                include_str!("../../../shaders/entry/paths.wgsl"),
+                include_str!("../../../shaders/entry/path.wgsl"),
+                include_str!("../../../shaders/entry/environment.wgsl"),
+                include_str!("../../../shaders/entry/sight.wgsl")
             ),
             Self::Probe => include_str!("../../../shaders/entry/probe.wgsl"),
             Self::Trim => include_str!("../../../shaders/entry/trim.wgsl"),
@@ -64,6 +74,7 @@ impl Entry {
     fn storage_is_read_only(self) -> &'static [bool] {
         match self {
             Self::Render => &[true, false, false],
+            Self::Paths => &[true, true, false, false],
             Self::Probe => &[true, false, false],
             Self::Trim => &[true, false],
         }
@@ -71,7 +82,7 @@ impl Entry {
 }
 
 /// The function files: name and text.
-pub const FUNCTION_FILES: [(&str, &str); 21] = [
+pub const FUNCTION_FILES: [(&str, &str); 23] = [
     ("elementary", include_str!("../../../shaders/elementary.wgsl")),
     ("frames", include_str!("../../../shaders/frames.wgsl")),
     ("ray_space", include_str!("../../../shaders/ray_space.wgsl")),
@@ -93,6 +104,14 @@ pub const FUNCTION_FILES: [(&str, &str); 21] = [
     ("camera", include_str!("../../../shaders/camera.wgsl")),
     ("section", include_str!("../../../shaders/section.wgsl")),
     ("shade", include_str!("../../../shaders/shade.wgsl")),
+    ("sobol", include_str!("../../../shaders/sobol.wgsl")),
+    ("bsdf", include_str!("../../../shaders/bsdf.wgsl")),
+];
+
+/// Function files of path-traced pictures alone, as in [`FUNCTION_FILES`].
+pub const PATH_FILES: [(&str, &str); 2] = [
+    ("path", include_str!("../../../shaders/entry/path.wgsl")),
+    ("environment", include_str!("../../../shaders/entry/environment.wgsl")),
 ];
 
 /// What a scene asks of the kernels.
@@ -200,7 +219,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 51] = [
+    let words: [(&str, u32); 58] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
@@ -231,6 +250,13 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("CAP", pixels::CAP),
         ("BESIDE_LEFT", pixels::BESIDE_LEFT),
         ("BESIDE_ALL", pixels::BESIDE_ALL),
+        ("START", path::START),
+        ("PATH", path::PATH),
+        ("SHADOW", path::SHADOW),
+        ("CATCHER", path::CATCHER),
+        ("DONE", path::DONE),
+        ("MAX_PASSED", path::MAX_PASSED),
+        ("SURE_BOUNCES", path::SURE_BOUNCES),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
         ("FAST", Exactness::Fast as u32),
         ("BALANCED", Exactness::Balanced as u32),
@@ -263,9 +289,15 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SKEW_STEPS", Band::SKEW_STEPS),
         ("AMBIENT_WEIGHT", light::AMBIENT_WEIGHT),
         ("GLOSS", light::GLOSS),
+        ("LEAST_ROUGHNESS", light::LEAST_ROUGHNESS),
+        ("METAL_LIGHT", light::METAL_LIGHT),
+        ("METAL_BOX", light::METAL_BOX),
+        ("DEFAULT_ROUGHNESS", Material::DEFAULT_ROUGHNESS),
         ("SPECULAR_REFLECTANCE", light::SPECULAR_REFLECTANCE),
         ("OCCLUSION_RADIUS", light::OCCLUSION_RADIUS as f32),
         ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
+        ("LEAST_ALPHA", bsdf::LEAST_ALPHA),
+        ("DIELECTRIC", bsdf::DIELECTRIC),
         ("SAME_WAY", shade::SAME_WAY),
         ("CLOSE", shade::CLOSE),
         ("OTHER", shade::OTHER),
@@ -283,6 +315,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("AMBIENT_UP", light::AMBIENT_UP),
         ("AMBIENT_DOWN", light::AMBIENT_DOWN),
         ("RIM_COLOR", light::RIM_COLOR),
+        ("METAL_UP", light::METAL_UP),
+        ("METAL_DOWN", light::METAL_DOWN),
     ];
     for (name, [red, green, blue]) in colors {
         let _ = writeln!(text, "const {name} = vec3<f32>({red:e}, {green:e}, {blue:e});");

@@ -7,13 +7,14 @@
 mod buffers;
 mod device;
 mod kernels;
+mod paths;
 mod picture;
 mod rays;
 mod trims;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
-pub use kernels::{Entry, FUNCTION_FILES, Specialisation, software_source, source};
+pub use kernels::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
 pub use trims::TrimQuery;
 
 /// Why the GPU cannot be used, or could not finish.

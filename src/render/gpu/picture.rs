@@ -23,7 +23,7 @@ use std::ops::Range;
 /// `Camera` of `shaders/camera.wgsl`. 96 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-struct GpuCamera {
+pub(super) struct GpuCamera {
     grid: [i32; 3],
     eye_distance: f32,
     fraction: [f32; 3],
@@ -65,7 +65,7 @@ struct GpuSectionPlane {
 /// `Section` of `shaders/section.wgsl`. 304 bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct GpuSection {
+pub(super) struct GpuSection {
     planes: [GpuSectionPlane; MAX_PLANES],
     count: u32,
     caps: u32,
@@ -248,7 +248,7 @@ struct Run {
 
 /// The camera at the plane through the scene's centre, or at the eye where that is in front of the plane; and how far that is from the
 /// eye. `None` where the plane's point is so far from the scene that no pixel can show it.
-fn place_camera(
+pub(super) fn place_camera(
     camera: &Camera,
     resolution: [u32; 2],
     window: Window,
@@ -294,7 +294,14 @@ fn gpu_lights(lights: &shade::Lights, options: &RenderOptions) -> GpuLights {
     }
 }
 
-fn gpu_section(section: &WorldSection) -> GpuSection {
+impl GpuSection {
+    /// Whether anything is cut.
+    pub(super) fn has_planes(&self) -> bool {
+        self.count > 0
+    }
+}
+
+pub(super) fn gpu_section(section: &WorldSection) -> GpuSection {
     let plane = |index: usize| {
         let plane = &section.planes[index];
         GpuSectionPlane {
