@@ -3,6 +3,7 @@
 use super::narrow::{self, GridPoint};
 use super::nets::{self, Nets};
 use super::outline::Outline;
+use super::times::{BakeTimes, timed};
 use super::trim_segments::Evaluation;
 use super::trim_tree::{self, TrimTree};
 use crate::brep;
@@ -35,6 +36,8 @@ pub(super) struct BakedFace {
     pub nets: Nets,
     /// The trim tree; empty where the whole window is inside.
     pub trim: TrimTree,
+    /// What it took.
+    pub times: BakeTimes,
 }
 
 /// An analytic surface in the terms of the scene.
@@ -56,7 +59,8 @@ pub(super) fn bake_face(
     distortion: f64,
     max_leaves: usize,
 ) -> Result<BakedFace, String> {
-    let mut trim = trim_tree::build(&outline.region, Evaluation::Curves)?;
+    let (trim, trim_trees) = timed(|| trim_tree::build(&outline.region, Evaluation::Curves));
+    let mut trim = trim?;
     if trim.uniform() == Some(false) {
         return Err("its trim curves enclose nothing".into());
     }
@@ -127,7 +131,9 @@ pub(super) fn bake_face(
     if !is_finite(&record) || record.uv_scale.iter().any(|scale| !(*scale > 0.0)) {
         return Err("its numbers are beyond single precision".into());
     }
+    let nets = nets.unwrap_or_default();
     Ok(BakedFace {
+        times: nets.times + BakeTimes { trim_trees, ..BakeTimes::default() },
         face: record,
         face_f64: FaceF64 {
             origin: origin.to_array(),
@@ -145,7 +151,7 @@ pub(super) fn bake_face(
             uv_size: size.to_array(),
         },
         boxes,
-        nets: nets.unwrap_or_default(),
+        nets,
         trim,
     })
 }

@@ -13,6 +13,7 @@ mod edge_kind;
 mod edge_tests;
 mod edges;
 mod elevate;
+mod explode;
 mod extent;
 mod faces;
 mod gaps;
@@ -26,6 +27,7 @@ mod narrow;
 mod net_tests;
 mod nets;
 mod outline;
+mod rearrange;
 mod region;
 mod retrim;
 mod slab;
@@ -33,6 +35,7 @@ mod study;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod times;
 mod trim_band;
 mod trim_query;
 mod trim_segments;
@@ -43,7 +46,9 @@ mod trim_tree;
 
 use self::assemble::PartDraft;
 use self::budget::budget;
+use self::bvh::NarrowBox;
 pub use self::elevate::Lines;
+pub use self::explode::{ExplodedScene, explode};
 pub use self::extent::extent;
 use self::faces::{BakedFace, PartSpace, bake_face};
 pub use self::judge::TrimJudge;
@@ -52,6 +57,8 @@ use self::materials::MaterialTable;
 use self::outline::{Outline, outline};
 use self::region::Region;
 pub use self::retrim::{TrimRegions, retrim};
+pub use self::times::BakeTimes;
+use self::times::timed;
 use crate::brep::{
     self, BodyKind, Diagnostic, Diagnostics, Face, Id, Model, Occurrence, Severity, occurrences,
 };
@@ -129,7 +136,8 @@ pub fn bake_with_regions(
     options: &BakeOptions,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> (SceneBuffers, TrimRegions) {
-    bake_parts(model, trim(model, options, progress), options, true)
+    let (scene, regions, _) = bake_parts(model, trim(model, options, progress), options, true);
+    (scene, regions)
 }
 
 /// The first stage: trims all faces that stand somewhere.
@@ -142,7 +150,14 @@ pub fn trim(model: &Model, options: &BakeOptions, progress: &(dyn Fn(usize, usiz
 
 /// The second stage: nets, leaves, trim trees, BVHs, instances.
 pub fn bake_trimmed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> SceneBuffers {
-    bake_parts(model, trimmed, options, options.trim_method != TrimMethod::PACKED).0
+    bake_timed(model, trimmed, options).0
+}
+
+/// [`bake_trimmed`], and what its steps took.
+pub fn bake_timed(model: &Model, trimmed: Trimmed, options: &BakeOptions) -> (SceneBuffers, BakeTimes) {
+    let keep_regions = options.trim_method != TrimMethod::PACKED;
+    let (scene, _, times) = bake_parts(model, trimmed, options, keep_regions);
+    (scene, times)
 }
 
 /// The second stage; the regions are empty unless they are asked for.
@@ -151,7 +166,7 @@ fn bake_parts(
     trimmed: Trimmed,
     options: &BakeOptions,
     keep_regions: bool,
-) -> (SceneBuffers, TrimRegions) {
+) -> (SceneBuffers, TrimRegions, BakeTimes) {
     let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
     let metadata = metadata::of_model(model, &occurrences, &parts);
     let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
@@ -174,9 +189,10 @@ fn bake_parts(
         })
         .collect();
 
+    let mut times: BakeTimes = baked.iter().flatten().flatten().map(|face| face.times).sum();
     let mut materials = MaterialTable::default();
     let mut regions = Vec::new();
-    let (slots, added) = gather(
+    let Gathered { slots, part_drafts, faces: added } = gather(
         model,
         &mut scene,
         &mut findings,
@@ -189,7 +205,9 @@ fn bake_parts(
         options,
         keep_regions.then_some(&mut regions),
     );
-    add_instances(
+    let ((), seconds) = timed(|| add_trees(&mut scene, &mut findings, &part_drafts));
+    times.bvhs += seconds;
+    let boxes = add_instances(
         model,
         &mut scene,
         &mut findings,
@@ -200,6 +218,8 @@ fn bake_parts(
         &spaces,
         options.keep_f64,
     );
+    let ((), seconds) = timed(|| add_top_tree(&mut scene, &mut findings, &boxes));
+    times.bvhs += seconds;
     if options.edges {
         edges::add(model, &mut scene, &added, &slots, &spaces);
     }
@@ -218,7 +238,7 @@ fn bake_parts(
         findings.push(Diagnostic::new(Severity::Warning, 0, "ADVANCED_FACE", reason));
     }
     scene.metadata.findings = metadata::records(&findings);
-    (scene, regions)
+    (scene, regions, times)
 }
 
 /// The parts that stand somewhere, in order of their ids.
@@ -305,7 +325,16 @@ fn spaces(
 /// For each part that occurs its index in the scene and its box in part space, where any of its faces could be baked.
 type Slots = Vec<Option<(u32, Aabb)>>;
 
-/// Joins faces and parts into the scene; returns each part's index there and its box in part space, and the faces that were added.
+/// What [`gather`] made of the baked faces.
+struct Gathered {
+    slots: Slots,
+    /// By index in the scene.
+    part_drafts: Vec<PartDraft>,
+    /// Those that were added, in order.
+    faces: Vec<Id<Face>>,
+}
+
+/// Joins faces and parts into the scene, but for the trees over them.
 fn gather(
     model: &Model,
     scene: &mut SceneBuffers,
@@ -318,7 +347,7 @@ fn gather(
     baked: Vec<Option<Result<BakedFace, String>>>,
     options: &BakeOptions,
     mut regions: Option<&mut Vec<Region>>,
-) -> (Slots, Vec<Id<Face>>) {
+) -> Gathered {
     let mut slots: Vec<Option<u32>> = vec![None; parts.len()];
     let mut part_drafts: Vec<PartDraft> = Vec::new();
     let mut faces = Vec::with_capacity(drafts.len());
@@ -369,8 +398,14 @@ fn gather(
             findings.push(finding);
         }
     }
-    // The BVH over instances comes first in the arrays; its nodes are moved there once they are known.
-    for (index, result) in assemble::add_parts(scene, &part_drafts).into_iter().enumerate() {
+    let with_box = |part: u32| (part, part_drafts[part as usize].bounds);
+    let slots = slots.into_iter().map(|slot| slot.map(with_box)).collect();
+    Gathered { slots, part_drafts, faces }
+}
+
+/// Adds the parts and their BVHs. The BVH over instances comes first in the arrays; its nodes are moved there once they are known.
+fn add_trees(scene: &mut SceneBuffers, findings: &mut Diagnostics, part_drafts: &[PartDraft]) {
+    for (index, result) in assemble::add_parts(scene, part_drafts).into_iter().enumerate() {
         if let Err(reason) = result {
             let mut finding =
                 Diagnostic::new(Severity::Dropped, scene.metadata.parts[index].entity, "PRODUCT", reason);
@@ -378,15 +413,13 @@ fn gather(
             findings.push(finding);
         }
     }
-    let with_box = |part: u32| (part, part_drafts[part as usize].bounds);
-    (slots.into_iter().map(|slot| slot.map(with_box)).collect(), faces)
 }
 
 fn faces_of(scene: &SceneBuffers, part: u32) -> u32 {
     scene.faces.iter().filter(|face| face.part == part).count() as u32
 }
 
-/// Places the occurrences and puts their BVH in front of those of the parts.
+/// Places the occurrences; returns their boxes.
 fn add_instances(
     model: &Model,
     scene: &mut SceneBuffers,
@@ -397,7 +430,7 @@ fn add_instances(
     slots: &[Option<(u32, Aabb)>],
     spaces: &[PartSpace],
     keep_f64: bool,
-) {
+) -> Vec<NarrowBox> {
     let anchor = DVec3::from_array(scene.header.world_anchor);
     let mut boxes = Vec::new();
     let mut lost: Vec<(u32, Diagnostic)> = Vec::new();
@@ -430,7 +463,12 @@ fn add_instances(
         }
         findings.push(finding);
     }
-    let top = bvh::build(&boxes).unwrap_or_else(|reason| {
+    boxes
+}
+
+/// Puts the BVH of the instances in front of those of the parts.
+fn add_top_tree(scene: &mut SceneBuffers, findings: &mut Diagnostics, boxes: &[NarrowBox]) {
+    let top = bvh::build(boxes).unwrap_or_else(|reason| {
         let mut finding = Diagnostic::new(Severity::Dropped, 0, "PRODUCT", reason);
         finding.faces = scene.faces.len() as u32;
         findings.push(finding);

@@ -10,7 +10,7 @@ use crate::numeric::Aabb;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
 /// Grid coordinates have at most this many steps: sums and differences of two fit into an i32.
-const MAX_STEPS: f64 = (1u32 << 30) as f64;
+pub(super) const MAX_STEPS: f64 = (1u32 << 30) as f64;
 
 /// A position in grid steps and a rest.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,6 +8,7 @@ use super::leaves::{self, Domain, Leaf, Side, Trim, View};
 use super::narrow;
 use super::outline::Outline;
 use super::slab;
+use super::times::{BakeTimes, timed};
 use super::trim_tree::TrimTree;
 use crate::geometry::{BezierPatch, BsplineSurface, PatchSpan, decompose_surface};
 use crate::numeric::Aabb;
@@ -33,6 +34,8 @@ pub(super) struct Nets {
     pub is_mixed: bool,
     /// The diagonal of the largest net's box, millimetres.
     pub reach: f64,
+    /// What they took.
+    pub times: BakeTimes,
 }
 
 /// Origin of face space in part space (on the grid), and the nets.
@@ -59,17 +62,19 @@ pub(super) fn bake_nets(
     let face_size = outline.bounds.diagonal();
     let bake_span = |span: PatchSpan, views: &[View]| -> Result<BakedSpan, String> {
         let domain = normalised_domain(span.u, span.v, outline);
-        let patch = in_face_space(span.patch, origin + space.center, heaviest, is_rational);
+        let (patch, nets) = timed(|| in_face_space(span.patch, origin + space.center, heaviest, is_rational));
         if !patch.points.iter().all(|p| p.is_finite() && p.as_vec4().is_finite() && p.as_vec4().w > 0.0) {
             return Err("a control point is beyond single precision".into());
         }
         let (points, degrees) = (patch.points.clone(), patch.degrees);
         let point_sides = slab::point_sides(&patch);
         let reach = slab::bounds(&patch).diagonal();
-        let (found, is_cut) = leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size);
+        let ((found, is_cut), leaves) =
+            timed(|| leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size));
+        let times = BakeTimes { nets, leaves, ..BakeTimes::default() };
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();
-        Ok(BakedSpan { domain, degrees, point_sides, points, leaves, is_mixed, reach })
+        Ok(BakedSpan { domain, degrees, point_sides, points, leaves, is_mixed, reach, times })
     };
     let ends = surface.domain();
     let bake_strip = |strip: Vec<PatchSpan>| -> Result<Vec<BakedSpan>, String> {
@@ -81,7 +86,8 @@ pub(super) fn bake_nets(
     let mut spans = decompose_surface(surface);
     // The spans of one large face are as many tasks, but not all of its patches are in memory.
     loop {
-        let strips = strips(spans.by_ref().take(SPANS_AT_ONCE));
+        let (strips, seconds) = timed(|| strips(spans.by_ref().take(SPANS_AT_ONCE)));
+        nets.times.nets += seconds;
         if strips.is_empty() {
             break;
         }
@@ -105,6 +111,7 @@ struct BakedSpan {
     leaves: Vec<(NetLeaf, Aabb)>,
     is_mixed: bool,
     reach: f64,
+    times: BakeTimes,
 }
 
 impl Nets {
@@ -116,6 +123,7 @@ impl Nets {
 
     fn add(&mut self, span: BakedSpan, is_rational: bool) {
         self.is_mixed |= span.is_mixed;
+        self.times = self.times + span.times;
         if span.leaves.is_empty() {
             return;
         }

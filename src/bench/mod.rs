@@ -1,6 +1,7 @@
 //! Measurements of what the other rooms do; nothing else depends on them.
 
 mod accuracy;
+mod frames;
 mod leaks;
 mod lines;
 mod plot;
@@ -11,9 +12,10 @@ pub mod trim;
 mod work;
 
 pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
+pub use frames::{FrameLoad, FrameWork, measure_frames};
 pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
 pub use lines::{PlotLine, lines_svg};
-pub use plot::{PlotPoint, work_precision_svg};
+pub use plot::{PlotPoint, logarithmic_svg};
 pub use rays::{aimed, chord};
-pub use stages::{Seconds, Stages, measure_stages};
+pub use stages::{Stage, StageTimes, Stages, StagesError, growth_exponent, measure_stages};
 pub use work::{WorkPoint, measure_work};

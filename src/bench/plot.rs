@@ -1,4 +1,4 @@
-//! A work–precision plot: nanoseconds a ray against relative error, both logarithmic, as SVG.
+//! Points over a logarithmic pair of axes, as SVG.
 
 use std::fmt::Write;
 
@@ -7,10 +7,10 @@ use std::fmt::Write;
 pub struct PlotPoint {
     /// Points of one series have one colour and are joined.
     pub series: String,
-    /// Relative error; above 0.
-    pub error: f64,
-    /// Nanoseconds a ray; above 0.
-    pub nanoseconds: f64,
+    /// To the right; above 0.
+    pub x: f64,
+    /// Upwards; above 0.
+    pub y: f64,
 }
 
 const WIDTH: f64 = 640.0;
@@ -36,18 +36,16 @@ fn decades(values: impl Iterator<Item = f64> + Clone) -> [i32; 2] {
     [low, (high.log10().ceil() as i32).max(low + 1)]
 }
 
-/// The text of the picture; `points` with errors or times that have no logarithm are left out.
-pub fn work_precision_svg(title: &str, points: &[PlotPoint]) -> String {
-    let usable = |p: &&PlotPoint| {
-        p.error > 0.0 && p.error.is_finite() && p.nanoseconds > 0.0 && p.nanoseconds.is_finite()
-    };
+/// The text of the picture; `labels` are those of the axes. Points without logarithms are left out.
+pub fn logarithmic_svg(title: &str, labels: [&str; 2], points: &[PlotPoint]) -> String {
+    let usable = |p: &&PlotPoint| p.x > 0.0 && p.x.is_finite() && p.y > 0.0 && p.y.is_finite();
     let shown: Vec<&PlotPoint> = points.iter().filter(usable).collect();
-    let errors = decades(shown.iter().map(|p| p.error));
-    let times = decades(shown.iter().map(|p| p.nanoseconds));
+    let across = decades(shown.iter().map(|p| p.x));
+    let upwards = decades(shown.iter().map(|p| p.y));
     let [left, top, right, bottom] = MARGINS;
     let share = |value: f64, [low, high]: [i32; 2]| (value.log10() - f64::from(low)) / f64::from(high - low);
-    let x = |error: f64| left + share(error, errors) * (WIDTH - left - right);
-    let y = |time: f64| HEIGHT - bottom - share(time, times) * (HEIGHT - top - bottom);
+    let x = |value: f64| left + share(value, across) * (WIDTH - left - right);
+    let y = |value: f64| HEIGHT - bottom - share(value, upwards) * (HEIGHT - top - bottom);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n\
@@ -59,28 +57,27 @@ pub fn work_precision_svg(title: &str, points: &[PlotPoint]) -> String {
         let _ = writeln!(svg, "{text}");
     };
     let (floor, ceiling, end) = (HEIGHT - bottom, top, WIDTH - right);
-    let labelled = (errors[1] - errors[0] + MOST_LABELS - 1) / MOST_LABELS;
-    for decade in errors[0]..=errors[1] {
+    let labelled = (across[1] - across[0] + MOST_LABELS - 1) / MOST_LABELS;
+    for decade in across[0]..=across[1] {
         let at = x(10f64.powi(decade));
         line(format_args!("<path d=\"M{at:.1} {floor}V{ceiling}\" stroke=\"#dddddd\"/>"));
-        if (errors[1] - decade) % labelled == 0 {
+        if (across[1] - decade) % labelled == 0 {
             let below = floor + 16.0;
             line(format_args!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">1e{decade}</text>"));
         }
     }
-    for decade in times[0]..=times[1] {
+    for decade in upwards[0]..=upwards[1] {
         let at = y(10f64.powi(decade));
         line(format_args!("<path d=\"M{left} {at:.1}H{end}\" stroke=\"#dddddd\"/>"));
         let (before, under) = (left - 6.0, at + 4.0);
         line(format_args!("<text x=\"{before}\" y=\"{under:.1}\" text-anchor=\"end\">1e{decade}</text>"));
     }
     let (middle, under) = ((left + end) / 2.0, HEIGHT - 10.0);
-    line(format_args!(
-        "<text x=\"{middle}\" y=\"{under}\" text-anchor=\"middle\">99.9th percentile of the error, in diagonals</text>"
-    ));
+    let [label_x, label_y] = labels.map(escaped);
+    line(format_args!("<text x=\"{middle}\" y=\"{under}\" text-anchor=\"middle\">{label_x}</text>"));
     let middle = (top + floor) / 2.0;
     line(format_args!(
-        "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">nanoseconds a ray</text>"
+        "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{label_y}</text>"
     ));
     let mut names: Vec<&str> = Vec::new();
     for point in &shown {
@@ -91,7 +88,7 @@ pub fn work_precision_svg(title: &str, points: &[PlotPoint]) -> String {
     for (index, name) in names.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
         let own: Vec<[f64; 2]> =
-            shown.iter().filter(|p| p.series == *name).map(|p| [x(p.error), y(p.nanoseconds)]).collect();
+            shown.iter().filter(|p| p.series == *name).map(|p| [x(p.x), y(p.y)]).collect();
         let path: Vec<String> = own.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
         line(format_args!("<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\"/>", path.join(" ")));
         for [x, y] in own {
@@ -116,8 +113,12 @@ mod tests {
 
     #[test]
     fn points_stand_where_their_logarithms_are() {
-        let point = |error, nanoseconds| PlotPoint { series: "a < b".to_owned(), error, nanoseconds };
-        let svg = work_precision_svg("one", &[point(1e-6, 100.0), point(1e-4, 1000.0), point(0.0, 5.0)]);
+        let point = |x, y| PlotPoint { series: "a < b".to_owned(), x, y };
+        let svg = logarithmic_svg(
+            "one",
+            ["across", "upwards"],
+            &[point(1e-6, 100.0), point(1e-4, 1000.0), point(0.0, 5.0)],
+        );
         let right = WIDTH - MARGINS[2];
         assert!(
             svg.contains(&format!("cx=\"{:.1}\" cy=\"{:.1}\"", MARGINS[0], HEIGHT - MARGINS[3])),
@@ -130,6 +131,6 @@ mod tests {
 
     #[test]
     fn nothing_to_show_is_no_fault() {
-        assert!(work_precision_svg("none", &[]).ends_with("</svg>\n"));
+        assert!(logarithmic_svg("none", ["", ""], &[]).ends_with("</svg>\n"));
     }
 }

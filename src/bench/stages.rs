@@ -1,37 +1,167 @@
-//! How long each stage from a file to a baked scene takes.
+//! How long each stage takes from a file to a picture.
 //!
-//! Every stage is a call of its own into the rooms that do the work, so that what is measured is what runs. Each is the
-//! least time of some repetitions, and so are the sums: what disturbs a run only ever makes it slower.
+//! Every stage is a call of its own into the rooms that do the work, so that what is measured is what runs. Each has the
+//! least time of some repetitions and their median, and so have the sums: what disturbs a run only ever makes it slower.
 
-use crate::bake::{BakeOptions, bake_trimmed, trim};
+use crate::bake::{BakeOptions, bake_timed, extent, trim};
+use crate::brep::{ReplicateError, replicate};
+use crate::cache::{CacheError, CacheFile, Provenance, write};
 use crate::import::{ImportError, Source};
+use crate::render::Ray;
+use crate::render::cpu::{Precision, probe};
+use crate::scene::SceneBuffers;
+use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-/// Wall-clock times, seconds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seconds {
+/// A stage, in the order in which they happen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
     /// The file into memory.
-    pub read: f64,
+    Read,
     /// Its statements or records found.
-    pub scan: f64,
+    Scan,
     /// Every entity that shape refers to decoded once, on one thread, on its own: not a part of the sums, as the
     /// mapping decodes again whatever it reaches.
-    pub decode: f64,
+    Decode,
     /// Scanned file to model, decoding included.
-    pub map: f64,
-    /// Edges to parameter planes, loops to regions.
-    pub trims: f64,
-    /// Nets, leaves, trim trees, BVHs.
-    pub bake: f64,
+    Map,
     /// File to model: read, scan, map.
-    pub import: f64,
+    Import,
+    /// Edges to parameter planes, loops to regions.
+    Trims,
+    /// Trim trees, on all threads' shares: a part of [`Stage::Bake`], as are the next three.
+    TrimTrees,
+    /// Bézier nets, likewise.
+    Nets,
+    /// Leaves, likewise.
+    Leaves,
+    /// BVHs.
+    Bvhs,
+    /// Trimmed model to scene.
+    Bake,
     /// File to baked scene: import, trims, bake.
-    pub total: f64,
+    Total,
+    /// The scene to a `.trimray` file.
+    Write,
+    /// The file mapped and validated.
+    Open,
+    /// The first ray traced through the mapped file, after opening it anew.
+    FirstRay,
+    /// The scene to the device.
+    Upload,
+    /// A picture of one pixel: on a GPU its kernels are compiled for the scene.
+    Compile,
+    /// The first whole picture.
+    FirstFrame,
+    /// The next ones.
+    Frame,
+    /// A ray through each sample of each pixel, all light but that of the sky.
+    Primary,
+    /// The first hits of chords of the scene's sphere.
+    Random,
 }
 
-/// The stages of one file.
-#[derive(Debug, Clone, Copy, PartialEq)]
+impl Stage {
+    /// All, in order.
+    pub const ALL: [Self; 21] = [
+        Self::Read,
+        Self::Scan,
+        Self::Decode,
+        Self::Map,
+        Self::Import,
+        Self::Trims,
+        Self::TrimTrees,
+        Self::Nets,
+        Self::Leaves,
+        Self::Bvhs,
+        Self::Bake,
+        Self::Total,
+        Self::Write,
+        Self::Open,
+        Self::FirstRay,
+        Self::Upload,
+        Self::Compile,
+        Self::FirstFrame,
+        Self::Frame,
+        Self::Primary,
+        Self::Random,
+    ];
+
+    /// For JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Scan => "scan",
+            Self::Decode => "decode",
+            Self::Map => "map",
+            Self::Import => "import",
+            Self::Trims => "trims",
+            Self::TrimTrees => "trim_trees",
+            Self::Nets => "nets",
+            Self::Leaves => "leaves",
+            Self::Bvhs => "bvhs",
+            Self::Bake => "bake",
+            Self::Total => "total",
+            Self::Write => "write",
+            Self::Open => "open",
+            Self::FirstRay => "first_ray",
+            Self::Upload => "upload",
+            Self::Compile => "compile",
+            Self::FirstFrame => "first_frame",
+            Self::Frame => "frame",
+            Self::Primary => "primary",
+            Self::Random => "random",
+        }
+    }
+
+    /// For people.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Decode => "decode, on its own",
+            Self::Map => "map, which decodes too",
+            Self::Import => "file to model",
+            Self::TrimTrees => "  trim trees",
+            Self::Nets => "  nets",
+            Self::Leaves => "  leaves",
+            Self::Bvhs => "  BVHs",
+            Self::Total => "file to baked scene",
+            Self::FirstRay => "open, first ray",
+            Self::FirstFrame => "first frame",
+            Self::Frame => "steady frame",
+            Self::Primary => "primary rays",
+            Self::Random => "random rays",
+            _ => self.name(),
+        }
+    }
+}
+
+/// The times of stages, seconds, one for each repetition.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StageTimes(BTreeMap<Stage, Vec<f64>>);
+
+impl StageTimes {
+    /// One more.
+    pub fn add(&mut self, stage: Stage, seconds: f64) {
+        self.0.entry(stage).or_default().push(seconds);
+    }
+
+    /// The least, if any.
+    pub fn least(&self, stage: Stage) -> Option<f64> {
+        self.0.get(&stage)?.iter().copied().reduce(f64::min)
+    }
+
+    /// The one in the middle, if any.
+    pub fn median(&self, stage: Stage) -> Option<f64> {
+        let mut times = self.0.get(&stage)?.clone();
+        times.sort_by(f64::total_cmp);
+        times.get(times.len() / 2).copied()
+    }
+}
+
+/// The stages of one file up to its scene.
+#[derive(Debug)]
 pub struct Stages {
     /// The file's size.
     pub bytes: usize,
@@ -39,41 +169,52 @@ pub struct Stages {
     pub entities: usize,
     /// Faces in the model.
     pub faces: usize,
-    /// Faces in the scene; a face of a part counts once.
-    pub baked_faces: usize,
+    /// The `.trimray` file's size.
+    pub cache_bytes: u64,
+    /// What was baked.
+    pub scene: SceneBuffers,
     /// Times.
-    pub seconds: Seconds,
+    pub times: StageTimes,
 }
 
-impl Seconds {
-    fn least(self, other: Self) -> Self {
-        Self {
-            read: self.read.min(other.read),
-            scan: self.scan.min(other.scan),
-            decode: self.decode.min(other.decode),
-            map: self.map.min(other.map),
-            trims: self.trims.min(other.trims),
-            bake: self.bake.min(other.bake),
-            import: self.import.min(other.import),
-            total: self.total.min(other.total),
-        }
-    }
+/// Why there are no measurements.
+#[derive(Debug, thiserror::Error)]
+pub enum StagesError {
+    /// The file cannot be imported.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// There cannot be so many copies.
+    #[error(transparent)]
+    Replicate(#[from] ReplicateError),
+    /// The baked scene cannot be written or read.
+    #[error(transparent)]
+    Cache(#[from] CacheError),
 }
 
-/// Imports and bakes the file `repeat` times (at least once).
+/// Imports, bakes, writes and opens the file `repeat` times (at least once), as `copies` along each axis. The baked scene is left in `scratch`.
 ///
 /// # Errors
-/// Those of the import.
-pub fn measure_stages(path: &Path, repeat: usize) -> Result<Stages, ImportError> {
-    let mut stages = measure_once(path)?;
+/// Those of the import, of replication and of the cache.
+pub fn measure_stages(
+    path: &Path,
+    scratch: &Path,
+    copies: u32,
+    repeat: usize,
+) -> Result<Stages, StagesError> {
+    let mut times = StageTimes::default();
+    let mut stages = measure_once(path, scratch, copies, &mut times)?;
     for _ in 1..repeat {
-        let again = measure_once(path)?;
-        stages.seconds = stages.seconds.least(again.seconds);
+        stages = measure_once(path, scratch, copies, &mut times)?;
     }
-    Ok(stages)
+    Ok(Stages { times, ..stages })
 }
 
-fn measure_once(path: &Path) -> Result<Stages, ImportError> {
+fn measure_once(
+    path: &Path,
+    scratch: &Path,
+    copies: u32,
+    times: &mut StageTimes,
+) -> Result<Stages, StagesError> {
     let mut clock = Clock(Instant::now());
     let source = Source::open(path)?;
     let read = clock.lap();
@@ -84,29 +225,106 @@ fn measure_once(path: &Path) -> Result<Stages, ImportError> {
     let model = scanned.map();
     let map = clock.lap();
     let options = BakeOptions::default();
+    let model = if copies > 1 {
+        let bounds = extent(&model, &options);
+        let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
+        replicate(model, [copies; 3], size)?
+    } else {
+        model
+    };
+    clock.lap();
     let trimmed = trim(&model, &options, &|_, _| {});
     let trims = clock.lap();
-    let scene = bake_trimmed(&model, trimmed, &options);
+    let (scene, steps) = bake_timed(&model, trimmed, &options);
     let bake = clock.lap();
+    let threads = rayon::current_num_threads() as f64;
     let import = read + scan + map;
-    let seconds = Seconds { read, scan, decode, map, trims, bake, import, total: import + trims + bake };
+    for (stage, seconds) in [
+        (Stage::Read, read),
+        (Stage::Scan, scan),
+        (Stage::Decode, decode),
+        (Stage::Map, map),
+        (Stage::Import, import),
+        (Stage::Trims, trims),
+        (Stage::TrimTrees, steps.trim_trees / threads),
+        (Stage::Nets, steps.nets / threads),
+        (Stage::Leaves, steps.leaves / threads),
+        (Stage::Bvhs, steps.bvhs),
+        (Stage::Bake, bake),
+        (Stage::Total, import + trims + bake),
+    ] {
+        times.add(stage, seconds);
+    }
+    let cache_bytes = measure_cache(&scene, scratch, times)?;
     Ok(Stages {
         bytes: source.size(),
         entities,
         faces: model.faces.len(),
-        baked_faces: scene.faces.len(),
-        seconds,
+        cache_bytes,
+        scene,
+        times: StageTimes::default(),
     })
 }
 
-struct Clock(Instant);
+/// Writes the scene, opens it, and opens it once more and traces a ray; the file's size.
+fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -> Result<u64, CacheError> {
+    let mut clock = Clock(Instant::now());
+    write(scratch, &scene.scene(), &Provenance::default())?;
+    times.add(Stage::Write, clock.lap());
+    drop(CacheFile::open(scratch)?);
+    times.add(Stage::Open, clock.lap());
+    let file = CacheFile::open(scratch)?;
+    let anchor = DVec3::from_array(scene.header.world_anchor);
+    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
+    let ray = Ray { origin: anchor + DVec3::Z * (2.0 * radius), direction: DVec3::NEG_Z };
+    std::hint::black_box(probe(&file.scene(), &[ray], Precision::F32, true));
+    times.add(Stage::FirstRay, clock.lap());
+    Ok(file.bytes())
+}
+
+/// The exponent e of `time ≈ c · size^e` by least squares of the logarithms; nothing from less than two sizes.
+pub fn growth_exponent(points: &[[f64; 2]]) -> Option<f64> {
+    let logarithms: Vec<[f64; 2]> =
+        points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).map(|p| p.map(f64::ln)).collect();
+    let count = logarithms.len() as f64;
+    let mean = [0, 1].map(|k| logarithms.iter().map(|p| p[k]).sum::<f64>() / count);
+    let moment = |k: usize| logarithms.iter().map(|p| (p[0] - mean[0]) * (p[k] - mean[k])).sum::<f64>();
+    let spread = moment(0);
+    (spread > 0.0).then(|| moment(1) / spread)
+}
+
+/// Reads off laps.
+pub(super) struct Clock(pub(super) Instant);
 
 impl Clock {
     /// Seconds since the last call.
-    fn lap(&mut self) -> f64 {
+    pub(super) fn lap(&mut self) -> f64 {
         let now = Instant::now();
         let seconds = now.duration_since(self.0).as_secs_f64();
         self.0 = now;
         seconds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_are_those_of_powers() {
+        let power = |e: f64| [1.0, 8.0, 64.0].map(|n: f64| [n, 0.3 * n.powf(e)]);
+        for e in [0.0, 1.0, 1.5] {
+            let found = growth_exponent(&power(e)).expect("three sizes");
+            assert!((found - e).abs() < 1e-12, "{found} {e}");
+        }
+        assert_eq!(growth_exponent(&[[5.0, 1.0], [5.0, 2.0]]), None);
+    }
+
+    #[test]
+    fn the_least_and_the_middle_are_told() {
+        let mut times = StageTimes::default();
+        [3.0, 1.0, 2.0].map(|seconds| times.add(Stage::Bake, seconds));
+        assert_eq!((times.least(Stage::Bake), times.median(Stage::Bake)), (Some(1.0), Some(2.0)));
+        assert_eq!(times.least(Stage::Nets), None);
     }
 }

@@ -67,6 +67,11 @@ impl CacheFile {
         Ok(file)
     }
 
+    /// The file's size.
+    pub fn bytes(&self) -> u64 {
+        self.map.len() as u64
+    }
+
     /// The scene in it.
     pub fn scene(&self) -> Scene<'_> {
         Scene {

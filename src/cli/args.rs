@@ -117,6 +117,9 @@ pub(super) struct Render {
     /// Which pixels get all their samples.
     #[arg(long, value_enum, default_value_t = SamplingChoice::Adaptive)]
     pub(super) sampling: SamplingChoice,
+    /// How finely free-form faces of a CAD file are divided; a baked scene is what it is.
+    #[arg(long, value_enum, default_value_t = BakeQuality::Balanced)]
+    pub(super) bake_quality: BakeQuality,
     /// What computes.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
@@ -147,6 +150,10 @@ pub(super) struct Render {
     pub(super) path: PathArguments,
     #[command(flatten)]
     pub(super) section: SectionArguments,
+    /// Take the assembly apart: what the model contains moves away from its middle by this share of its distance from there, what that contains in turn by half
+    /// of the share from its own middle, and so on. Sections cut what is then.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = parse_explode, help_heading = "Selection")]
+    pub(super) explode: f64,
 }
 
 /// Imports and preprocesses a model once: a .trimray file opens at once, and every command takes it as INPUT.
@@ -178,6 +185,9 @@ pub(super) struct Bake {
     /// What trim queries search in: a row of Table 2 of Sloup and Havran 2021, by number or name (lc, hs+b, kc+rbe, kcs-sf19, ...), or packed.
     #[arg(long, value_name = "METHOD", default_value = "packed")]
     pub(super) trim_method: TrimMethod,
+    /// How finely free-form faces are divided.
+    #[arg(long, value_enum, default_value_t = BakeQuality::Balanced)]
+    pub(super) bake_quality: BakeQuality,
     /// Bake so many copies of the model along x, y and z, side by side, each with faces of its own.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_counts)]
     pub(super) replicate: Option<[u32; 3]>,
@@ -237,6 +247,29 @@ pub(super) struct Probe {
     /// What computes; auto is the CPU for f64.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
+}
+
+/// How bent a piece of a free-form face may be that is searched for hits as a whole. Hits are exact whatever the pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(super) enum BakeQuality {
+    /// A quarter of its size: baked sooner, rays take longer.
+    Fast,
+    /// An eighth.
+    #[default]
+    Balanced,
+    /// A sixteenth: baked in up to twice the time, rays are a little faster.
+    Best,
+}
+
+impl BakeQuality {
+    /// The distortion of leaves below which they are not divided.
+    pub(super) fn distortion(self) -> f64 {
+        match self {
+            Self::Fast => 1.0 / 4.0,
+            Self::Balanced => 1.0 / 8.0,
+            Self::Best => 1.0 / 16.0,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -308,6 +341,14 @@ pub(super) enum PrecisionChoice {
 
 /// More pixels than this would not fit the memory of common machines.
 pub(super) const MAX_PIXELS: u64 = 1 << 27;
+
+/// How far an assembly may be taken apart: what is left of 24 bits between the grid's step and the model's size bears this easily.
+const MOST_EXPLODED: f64 = 10.0;
+
+fn parse_explode(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..=MOST_EXPLODED).contains(share));
+    share.ok_or_else(|| format!("a number from 0 (as it is) to {MOST_EXPLODED} is wanted, such as 1"))
+}
 
 pub(super) fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
     let (width, height) =

@@ -1,6 +1,6 @@
 //! `trimray bench` as clap sees it.
 
-use super::args::PrecisionChoice;
+use super::args::{DeviceChoice, PrecisionChoice, parse_resolution};
 use super::args_bench_trim::BenchTrim;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -25,22 +25,54 @@ pub(super) enum BenchCommand {
     Trim(BenchTrim),
 }
 
-/// Times of each stage from a file to a baked scene: the least of all repetitions.
+/// Times of each stage from a file to a picture: the least of all repetitions, and their median.
 ///
 /// `decode` is the decoding of all entities that shape refers to, each once, on one thread, measured on its own; the mapping decodes
-/// what it reaches by itself, so `map` includes that work and the sums leave `decode` out.
+/// what it reaches by itself, so `map` includes that work and the sums leave `decode` out. Trim trees, nets and leaves are parts of the bake: their work over
+/// the threads that share it. `open, first ray` opens the written `.trimray` file anew and traces one ray. `compile` is a picture of one pixel, frames are
+/// pictures without settings, primary rays see lamps but no sky; random rays are chords of the scene's sphere, and on a GPU their rate includes the transfers.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   trimray bench stages part.step
-  trimray bench stages *.step --json --repeat 5 > stages.jsonl")]
+  trimray bench stages *.step --json --repeat 5 > stages.jsonl
+  trimray bench stages *.step --compare stages.jsonl
+  trimray bench stages part.step --frames --resolution 3840,2160 --rays-per-pixel 8 --repeat 15 --warm-ups 5
+  trimray bench stages part.step --grow 1,2,4,8 --plot growth.svg")]
 pub(super) struct BenchStages {
     /// STEP or IGES files.
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
-    /// How often to import and bake each.
+    /// How often to run each stage.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(super) repeat: u16,
+    /// Go on to pictures and rays.
+    #[arg(long)]
+    pub(super) frames: bool,
+    /// Runs of pictures and rays that do not count.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=1000), requires = "frames")]
+    pub(super) warm_ups: u16,
+    /// Pixels of pictures across and down.
+    #[arg(long, value_name = "W,H", default_value = "1920,1080", value_parser = parse_resolution, requires = "frames")]
+    pub(super) resolution: [u32; 2],
+    /// Primary rays through each pixel.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096), requires = "frames")]
+    pub(super) rays_per_pixel: u32,
+    /// How many random rays.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000), requires = "frames")]
+    pub(super) rays: u64,
+    /// What computes pictures and rays.
+    #[arg(long, value_enum, default_value_t = DeviceChoice::Auto, requires = "frames")]
+    pub(super) device: DeviceChoice,
+    /// Measure so many copies along each axis, one number after the other, and tell how the time of each stage grows with the number of faces.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) grow: Vec<u32>,
+    /// Write a plot of times by faces here, as SVG; of one file, with --grow.
+    #[arg(long, value_name = "FILE", requires = "grow")]
+    pub(super) plot: Option<PathBuf>,
+    /// Compare with an earlier run: its lines of JSON.
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    pub(super) compare: Option<PathBuf>,
     /// One JSON object a line, times in seconds.
     #[arg(long)]
     pub(super) json: bool,

@@ -25,15 +25,17 @@ pub(super) fn run(command: &Bake, general: &General) -> anyhow::Result<()> {
         strict: command.import.strict,
         selection: command.selection.clone(),
         trim_method: command.trim_method,
+        quality: command.bake_quality,
         copies: command.replicate,
         kept_scenes: None,
     };
+    let options = purpose.bake_options();
     let loaded = load(input, purpose, general)?;
     let scene = loaded.scene();
     if scene.faces.is_empty() {
         return Err(nothing(input, &scene, "bake").into());
     }
-    cache::write(&output, &scene, &provenance(&BakeOptions::default(), loaded.source_hash()))?;
+    cache::write(&output, &scene, &provenance(&options, loaded.source_hash()))?;
     if !general.quiet {
         let source_size = std::fs::metadata(input).map_or(0, |m| m.len());
         let baked_size = std::fs::metadata(&output).map_or(0, |m| m.len());

@@ -1,7 +1,7 @@
 //! `trimray bench work`: run time against error, as a table, as CSV and as a plot.
 
 use super::args_bench::BenchWork;
-use crate::bench::{PlotPoint, WorkPoint, measure_work, work_precision_svg};
+use crate::bench::{PlotPoint, WorkPoint, logarithmic_svg, measure_work};
 use crate::import::import;
 use anyhow::Context;
 use std::fmt::Write as _;
@@ -29,13 +29,11 @@ pub(super) fn run(command: &BenchWork) -> anyhow::Result<()> {
         fs::write(path, csv_of(&name, &points)).with_context(|| path.display().to_string())?;
     }
     if let Some(path) = &command.plot {
-        let own = points.iter().map(|p| PlotPoint {
-            series: p.series.clone(),
-            error: p.error.p999,
-            nanoseconds: p.nanoseconds,
-        });
+        let own =
+            points.iter().map(|p| PlotPoint { series: p.series.clone(), x: p.error.p999, y: p.nanoseconds });
         let all: Vec<PlotPoint> = own.chain(rival).collect();
-        fs::write(path, work_precision_svg(&name, &all)).with_context(|| path.display().to_string())?;
+        let labels = ["99.9th percentile of the error, in diagonals", "nanoseconds a ray"];
+        fs::write(path, logarithmic_svg(&name, labels, &all)).with_context(|| path.display().to_string())?;
     }
     Ok(())
 }
@@ -105,7 +103,7 @@ fn rows_of(text: &str) -> anyhow::Result<Vec<PlotPoint>> {
                 field.parse::<f64>().with_context(|| format!("line {}: `{field}` is no number", index + 2))
             };
             let series = fields.get(1).copied().unwrap_or_default().to_owned();
-            Ok(PlotPoint { series, error: number(8)?, nanoseconds: number(5)? })
+            Ok(PlotPoint { series, x: number(8)?, y: number(5)? })
         })
         .collect()
 }
@@ -130,7 +128,7 @@ mod tests {
             phantom: 2,
         };
         let rows = rows_of(&csv_of("a,b", &[point])).expect("rows");
-        assert_eq!(rows, [PlotPoint { series: "exact f32".to_owned(), error: 2.5e-7, nanoseconds: 321.5 }]);
+        assert_eq!(rows, [PlotPoint { series: "exact f32".to_owned(), x: 2.5e-7, y: 321.5 }]);
         assert!(rows_of("model\n").is_err());
         assert!(rows_of(&format!("{COLUMNS}\na,b,c\n")).is_err());
     }

@@ -64,7 +64,7 @@ impl<'a> Device<'a> {
 
     /// Waits for a GPU that is being opened.
     #[cfg(feature = "gpu")]
-    fn wait(&mut self) {
+    pub(super) fn wait(&mut self) {
         match self.opening.take().map(JoinHandle::join) {
             None => {}
             Some(Ok(Ok(gpu))) => self.gpu = Some(gpu),

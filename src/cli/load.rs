@@ -1,7 +1,7 @@
 //! From INPUT to a scene: a CAD file is imported and baked in memory, a `.trimray` file is mapped.
 
 use super::Failure;
-use super::args::General;
+use super::args::{BakeQuality, General};
 use super::args_cache::KeptScenes;
 use super::args_select::SelectionArguments;
 use super::bake::provenance;
@@ -58,6 +58,8 @@ pub(super) struct Purpose {
     pub(super) strict: bool,
     /// What trim queries of a model that is baked now search in.
     pub(super) trim_method: TrimMethod,
+    /// How finely free-form faces of a model that is baked now are divided.
+    pub(super) quality: BakeQuality,
     /// Copies along x, y and z of a model that is baked now.
     pub(super) copies: Option<[u32; 3]>,
     /// Scenes that were baked before; `None` to bake anew whatever there is.
@@ -154,8 +156,9 @@ fn import_and_bake(
 }
 
 impl Purpose {
-    fn bake_options(&self) -> BakeOptions {
+    pub(super) fn bake_options(&self) -> BakeOptions {
         BakeOptions {
+            distortion: self.quality.distortion(),
             keep_f64: self.keep_f64,
             edges: self.edges,
             trim_method: self.trim_method,

@@ -19,6 +19,7 @@ mod bake;
 mod bench;
 mod bench_accuracy;
 mod bench_leaks;
+mod bench_stages;
 mod bench_stress;
 mod bench_trim;
 mod bench_trim_degrees;

@@ -21,9 +21,11 @@ use super::sheet::{grid, sheet};
 use super::style::{Look, look};
 use super::view;
 use super::window::window;
+use crate::bake::explode;
 use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
 use crate::render::section::Section;
 use crate::render::{Background, Camera, Environment, PathOptions, RenderOptions};
+use anyhow::Context;
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -169,6 +171,7 @@ fn render_input(
             strict: command.import.strict,
             kept_scenes: command.cache.kept_scenes(),
             edges: command.style.has_lines(),
+            quality: command.bake_quality,
             selection: command.selection.clone(),
             ..Purpose::default()
         },
@@ -181,6 +184,11 @@ fn render_input(
     if scene.faces.is_empty() || scene.instances.is_empty() {
         return Err(nothing(input, &scene, "render").into());
     }
+    let exploded = (command.explode > 0.0)
+        .then(|| explode(&scene, command.explode).map_err(anyhow::Error::msg))
+        .transpose()
+        .with_context(|| format!("{}: --explode {}", input.display(), command.explode))?;
+    let scene = exploded.as_ref().map_or(scene, |exploded| exploded.of(&scene));
     let mut overridden = overridden(looks, &scene, input)?;
     look.style.recolor_materials(&mut overridden.materials);
     section::exclude(&command.section, &scene, &mut overridden.instances, input)?;

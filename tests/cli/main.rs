@@ -8,6 +8,7 @@ mod material;
 mod output;
 mod section;
 mod selection;
+mod stages;
 mod style;
 
 use assert_cmd::Command;
@@ -295,6 +296,44 @@ fn a_baked_scene_answers_as_the_model_does() {
 }
 
 /// Methods of every structure, by number and by name.
+#[test]
+fn finer_pieces_have_the_same_hits() {
+    let bench = Bench::new();
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/mug/model.step");
+    fs::copy(fixture, bench.path("mug.step")).expect("copied");
+    let rays: String =
+        (0..200).map(|i| format!("{} {} 500 0.01 0.02 -1\n", i % 20 * 5 - 50, i / 20 * 9 - 45)).collect();
+    let mut found = Vec::new();
+    for quality in ["fast", "balanced", "best"] {
+        bench
+            .run(&format!("bake mug.step -o {quality}.trimray --bake-quality {quality} --keep-f64"))
+            .expect(0);
+        let size = fs::metadata(bench.path(&format!("{quality}.trimray"))).expect("a file").len();
+        let hits: Vec<Vec<f64>> = bench
+            .probe(&format!("{quality}.trimray --precision f64"), &rays)
+            .iter()
+            .map(|line| {
+                line["hits"]
+                    .as_array()
+                    .expect("hits")
+                    .iter()
+                    .map(|hit| hit["t"].as_f64().expect("t"))
+                    .collect()
+            })
+            .collect();
+        found.push((size, hits));
+    }
+    assert!(found[0].0 < found[1].0 && found[1].0 < found[2].0);
+    assert!(found[0].1.iter().flatten().count() > 50);
+    for (_, hits) in &found[1..] {
+        for (a, b) in hits.iter().zip(&found[0].1) {
+            assert_eq!(a.len(), b.len());
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
+        }
+    }
+    bench.run("bake mug.step --bake-quality superb").expect(2);
+}
+
 #[test]
 fn trim_methods_give_the_same_hits() {
     let bench = Bench::new();

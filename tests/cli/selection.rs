@@ -153,3 +153,30 @@ fn edges_go_with_the_faces_that_they_bound() {
     assert!(of_model > 20.0 && (of_scene / of_model - 1.0).abs() < 0.1, "{of_model} {of_scene}");
     assert!(all > 1.3 * of_model, "{all} {of_model}");
 }
+
+/// Taken apart, the same from the model and from the baked scene; taken apart by nothing, what it was.
+#[test]
+fn an_assembly_is_taken_apart() {
+    let (bench, _) = chain();
+    let picture = |file: &str, flags: &str| {
+        let size = "--resolution 60,45 --samples 4 --device cpu -q --camera-orthographic --view top";
+        bench.run(&format!("render {file} -o {file}.png {size} {flags}")).expect(0);
+        read(&bench.path(&format!("{file}.png")))
+    };
+    let whole = picture("chain.step", "");
+    assert!(picture("chain.step", "--explode 0") == whole);
+    let apart = picture("chain.step", "--explode 1.5");
+    assert!(apart != whole && picture("chain.trimray", "--explode 1.5") == apart);
+    // Links that hang in each other overlap as seen from above; the model is smaller in a picture that shows it all.
+    let covered = |flags: &str| {
+        picture("chain.step", flags);
+        let pixels = read_png(&bench.path("chain.step.png")).expect("a picture").pixels;
+        pixels.iter().filter(|pixel| **pixel != [255; 4]).count()
+    };
+    let [whole, apart] = ["", "--explode 2"].map(covered);
+    assert!(apart < whole && apart > whole / 20, "{whole} {apart}");
+    for share in ["-1", "11", "far"] {
+        let outcome = bench.run(&format!("render chain.step -o a.png --explode={share}")).expect(2);
+        assert!(outcome.stderr.contains("from 0 (as it is) to 10"), "{}", outcome.stderr);
+    }
+}

@@ -20,6 +20,9 @@ const CONTRACTION: f64 = 0.25;
 /// Roots closer than this, in parameters, are one root found from two cells.
 const SAME: f64 = 1e-9;
 
+/// Steps along a side of a net towards the ray.
+const MOST_SLIDES: usize = 8;
+
 /// Coefficients of a bivariate polynomial, the second parameter fastest.
 type Net = SmallVec<[f64; 36]>;
 
@@ -66,6 +69,13 @@ impl System {
         let by_u = DVec2::new(first.1, second.1);
         let by_v = DVec2::new(first.2, second.2);
         (DVec2::new(first.0, second.0), DMat2::from_cols(by_u, by_v))
+    }
+
+    /// The greater of the two functions' absolute values, denominator included.
+    fn distance(&self, uv: DVec2) -> f64 {
+        let rows: SmallVec<[f64; 8]> =
+            self.weights.chunks(self.degrees[1] + 1).map(|row| eval(row, uv.y)).collect();
+        self.jet(uv).0.abs().max_element() / eval(&rows, uv.x)
     }
 }
 
@@ -128,16 +138,28 @@ pub(super) fn isolate(system: &System, tolerance: f64, margin: f64) -> Option<Sm
     Some(roots)
 }
 
-/// Whether a root is beyond a side of the net, but by less than the tolerance: on a narrow net that may be far in parameters.
+/// Whether a root is beyond a side of the net, but the ray passes that side by less than the tolerance: on a narrow net, or on one that the ray grazes,
+/// that may be far in parameters.
 fn is_beside(system: &System, root: DVec2, tolerance: f64, margin: f64) -> bool {
-    let nearest = root.clamp(DVec2::splat(-margin), DVec2::splat(1.0 + margin));
-    if nearest == root {
-        return false;
-    }
-    let (value, _) = system.jet(nearest);
-    let rows: SmallVec<[f64; 8]> =
-        system.weights.chunks(system.degrees[1] + 1).map(|row| eval(row, nearest.y)).collect();
-    value.abs().max_element() <= tolerance * eval(&rows, nearest.x)
+    let (low, high) = (DVec2::splat(-margin), DVec2::splat(1.0 + margin));
+    let nearest = root.clamp(low, high);
+    (0..2).filter(|&axis| nearest[axis] != root[axis]).any(|axis| {
+        // The place of this side that is nearest to the ray, by the Gauss-Newton method.
+        let along = DVec2::AXES[1 - axis];
+        let mut place = nearest;
+        let mut passes = system.distance(place);
+        for _ in 0..MOST_SLIDES {
+            let (value, jacobian) = system.jet(place);
+            let slope = jacobian * along;
+            let next = (place - along * (value.dot(slope) / slope.length_squared())).clamp(low, high);
+            let closer = system.distance(next);
+            if !(closer < passes) {
+                break;
+            }
+            (place, passes) = (next, closer);
+        }
+        passes <= tolerance
+    })
 }
 
 /// How far from 0 a quotient stays over a cell.
@@ -348,5 +370,21 @@ mod tests {
         assert!(isolate(&strip(5.0), 1e-6, 1e-6).is_none());
         assert_eq!(isolate(&strip(0.05), 1e-9, 1e-6).map(|roots| roots.len()), Some(0));
         assert_eq!(isolate(&strip(5.0), 1e-8, 1e-6).map(|roots| roots.len()), Some(0));
+    }
+
+    /// The plane of (u, v), and a line that comes down to it at a thousandth beyond v = 1 along v at a slope of 2e-3: it passes over the side at 2e-6, but not
+    /// over the place of the side that is nearest to where it meets the plane.
+    #[test]
+    fn what_grazes_a_side_is_not_decided() {
+        let slanted = System {
+            degrees: [1, 1],
+            functions: [
+                SmallVec::from_slice(&[0.501, -0.499, 1.501, 0.501]),
+                SmallVec::from_slice(&[-1.001, -0.001, -1.001, -0.001].map(|v| 2e-3 * v)),
+            ],
+            weights: SmallVec::from_elem(1.0, 4),
+        };
+        assert_eq!(isolate(&slanted, 1e-6, 1e-6).map(|roots| roots.len()), Some(0));
+        assert!(isolate(&slanted, 1e-5, 1e-6).is_none());
     }
 }

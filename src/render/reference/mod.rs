@@ -2,7 +2,7 @@
 //!
 //! It looks at every face without a tree, and at every net by subdivision of its Bernstein coefficients, so that it shares neither
 //! bounds, nor leaves, nor starts with the tracers that it judges. Analytic carriers are the tracers' own closed forms in f64; analytic
-//! truth is what checks those. A ray is *certain* unless somewhere on its way, by less than [`TOLERANCE`] of a face's size,
+//! truth is what checks those. A ray is *certain* unless somewhere on its way, by less than [`TOLERANCE`] of a face's size, or what f32 rounds in sums of its degree,
 //! the ray would touch a carrier it misses or miss one it meets, or a hit would pass a trim curve or the end of a surface. Nor is it certain where a closed
 //! body has an odd number of hits.
 
@@ -34,6 +34,9 @@ pub const TOLERANCE: f64 = 1.0 / 2_097_152.0;
 
 /// Of parameter intervals: twice the overlap of neighbouring nets and windows.
 const PARAMETER_TOLERANCE: f64 = 2.0 / 1_048_576.0;
+
+/// A hit on a net that the tolerance leaves open by more of the net's parameters than this is not certain.
+const MOST_OPEN: f64 = 1.0 / 16.0;
 
 /// A hit that is certain.
 #[derive(Debug, Clone, Copy)]
@@ -190,7 +193,7 @@ impl<'a> Reference<'a> {
         let face = &scene.faces[net.face as usize];
         let ray = approach_point(part_ray, face.grid, Vector3::from_f64(bounds.center().to_array()), step);
         let size = bounds.diagonal();
-        let tolerance = TOLERANCE * size + step * f64::from(f32::EPSILON);
+        let tolerance = net_tolerance(scene, net) * size + step * f64::from(f32::EPSILON);
         let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64().normalize());
         if passes_by(&bounds.grown(2.0 * tolerance.max(face.slack.into())), origin, direction) {
             return Some(());
@@ -208,6 +211,11 @@ impl<'a> Reference<'a> {
             let normal = cross.normalize_or_zero().dot(direction);
             let slack = tolerance.max(2.0 * f64::from(face.slack)) / normal.abs() / cross.length();
             let margins = [slack * by_v.length(), slack * by_u.length()].map(|m| m + PARAMETER_TOLERANCE);
+            // Where the ray runs so nearly along the net, what f32 makes of it may meet it more often.
+            let across = tolerance / normal.abs() / cross.length();
+            if !(across * by_u.length().max(by_v.length()) < MOST_OPEN) {
+                return None;
+            }
             let inside = |du: f64, dv: f64| {
                 let at = [uv[0] + du * margins[0], uv[1] + dv * margins[1]];
                 self.is_on_face(net.face, face_parameters(net, face.period, at))
@@ -246,9 +254,12 @@ impl Reference<'_> {
     }
 }
 
-/// Whether the four corners of a surrounding say the same as its middle.
+/// Whether a surrounding says the same as its middle. It is looked at in places, a quarter of its width apart, because a face may be narrower
+/// than the surrounding.
 fn all_alike(middle: bool, inside: impl Fn(f64, f64) -> bool) -> bool {
-    [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].iter().all(|&(u, v)| inside(u, v) == middle)
+    const SIDES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    let around = SIDES.iter().flat_map(|&u| SIDES.iter().map(move |&v| (u, v)));
+    around.filter(|&(u, v)| u != 0.0 || v != 0.0).all(|(u, v)| inside(u, v) == middle)
 }
 
 /// Leaves one of the hits that neighbouring nets share; `None` where one net alone has a hit on its border.
@@ -275,6 +286,16 @@ fn merge_borders(found: Vec<Candidate>) -> Option<Vec<Candidate>> {
         }
     }
     kept.iter().zip(shared).all(|(hit, shared)| shared || !hit.on_border).then_some(kept)
+}
+
+/// Of a net's size: what f32 leaves of its points. The sums of Bernstein terms over both parameters round by up to `(2 (m + n) + 3) u` (Higham 2002, section 5.1, for
+/// each parameter; u = 2⁻²⁴), those of a rational net twice, in its numerators and in its denominator.
+fn net_tolerance(scene: &Scene<'_>, net: &Net) -> f64 {
+    let (u, v) = net_degrees(net);
+    let is_rational = net_points(scene, net).iter().any(|point| point[3] != 1.0);
+    let sums = if is_rational { 2 } else { 1 };
+    let rounding = (sums * (2 * (u + v) + 3)) as f64 * 0.5 * f64::from(f32::EPSILON);
+    rounding.max(TOLERANCE)
 }
 
 /// The control points of a net.
