@@ -323,7 +323,7 @@ mod tests {
     #[test]
     fn the_least_and_the_middle_are_told() {
         let mut times = StageTimes::default();
-        [3.0, 1.0, 2.0].map(|seconds| times.add(Stage::Bake, seconds));
+        [3.0, 1.0, 2.0].into_iter().for_each(|seconds| times.add(Stage::Bake, seconds));
         assert_eq!((times.least(Stage::Bake), times.median(Stage::Bake)), (Some(1.0), Some(2.0)));
         assert_eq!(times.least(Stage::Nets), None);
     }

@@ -359,8 +359,7 @@ fn bounce(
     n: Vector3<f32>,
     pixel: u32,
 ) -> bool {
-    let point =
-        |pair: u32| sample_pair(pixel, state.sample_index, 1 + 3 * state.bounces + pair, paths.options.seed);
+    let point = path_points(paths, state, pixel);
     let from = sample_light(&paths.surroundings, false, point(0));
     let [choice, fate] = point(2);
     let next = sample_direction(surface, point(1), choice);
