@@ -109,7 +109,8 @@ pub(super) fn run(command: &BenchStages, general: &General) -> anyhow::Result<()
         }
     }
     if let Some(path) = &command.plot {
-        let names: Vec<String> = command.inputs.iter().map(|input| input.display().to_string()).collect();
+        let names = command.inputs.iter().filter_map(|input| input.file_name());
+        let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
         let svg = logarithmic_svg(&names.join(", "), ["faces", "seconds"], &plotted);
         fs::write(path, svg).with_context(|| path.display().to_string())?;
     }
@@ -240,10 +241,14 @@ fn write_growth(out: &mut impl Write, lines: &[Line]) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Those that a plot shows: as many as it has colours.
+const PLOTTED: [Stage; 7] =
+    [Stage::Trims, Stage::Bake, Stage::Bvhs, Stage::Write, Stage::FirstRay, Stage::Frame, Stage::Random];
+
 fn plot_points(lines: &[Line]) -> Vec<PlotPoint> {
     let of_stage = |stage: Stage| {
         let series = stage.label().trim().to_owned();
         growth(lines, stage).into_iter().map(move |[x, y]| PlotPoint { series: series.clone(), x, y })
     };
-    growing_stages().flat_map(of_stage).collect()
+    PLOTTED.into_iter().flat_map(of_stage).collect()
 }
