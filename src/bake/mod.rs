@@ -49,7 +49,7 @@ use self::budget::budget;
 use self::bvh::NarrowBox;
 pub use self::elevate::Lines;
 pub use self::explode::{ExplodedScene, explode};
-pub use self::extent::extent;
+pub use self::extent::replicate_side_by_side;
 use self::faces::{BakedFace, PartSpace, bake_face};
 pub use self::judge::TrimJudge;
 pub use self::keep::{KeptScene, keep};

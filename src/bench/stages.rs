@@ -3,14 +3,13 @@
 //! Every stage is a call of its own into the rooms that do the work, so that what is measured is what runs. Each has the
 //! least time of some repetitions and their median, and so have the sums: what disturbs a run only ever makes it slower.
 
-use crate::bake::{BakeOptions, bake_timed, extent, trim};
-use crate::brep::{ReplicateError, replicate};
+use super::chord;
+use crate::bake::{BakeOptions, bake_timed, replicate_side_by_side, trim};
+use crate::brep::ReplicateError;
 use crate::cache::{CacheError, CacheFile, Provenance, write};
 use crate::import::{ImportError, Source};
-use crate::render::Ray;
 use crate::render::cpu::{Precision, probe};
 use crate::scene::SceneBuffers;
-use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
@@ -225,13 +224,7 @@ fn measure_once(
     let model = scanned.map();
     let map = clock.lap();
     let options = BakeOptions::default();
-    let model = if copies > 1 {
-        let bounds = extent(&model, &options);
-        let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
-        replicate(model, [copies; 3], size)?
-    } else {
-        model
-    };
+    let model = if copies > 1 { replicate_side_by_side(model, [copies; 3], &options)? } else { model };
     clock.lap();
     let trimmed = trim(&model, &options, &|_, _| {});
     let trims = clock.lap();
@@ -274,9 +267,7 @@ fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -
     drop(CacheFile::open(scratch)?);
     times.add(Stage::Open, clock.lap());
     let file = CacheFile::open(scratch)?;
-    let anchor = DVec3::from_array(scene.header.world_anchor);
-    let radius = DVec3::from_array(scene.header.half_size.map(f64::from)).length();
-    let ray = Ray { origin: anchor + DVec3::Z * (2.0 * radius), direction: DVec3::NEG_Z };
+    let ray = chord(&file.scene(), 0);
     std::hint::black_box(probe(&file.scene(), &[ray], Precision::F32, true));
     times.add(Stage::FirstRay, clock.lap());
     Ok(file.bytes())

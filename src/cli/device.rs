@@ -127,18 +127,16 @@ impl<'a> Device<'a> {
         })
     }
 
-    /// Answers rays on the GPU; `None` where that does not compute, or fails.
+    /// Does some work on the GPU; `None` where that does not compute, or fails.
     #[cfg(feature = "gpu")]
-    fn probe(
+    fn on_gpu<T>(
         &mut self,
         uploaded: Option<&GpuScene<'_>>,
-        rays: &[Ray],
-        first_only: bool,
-        exactness: Exactness,
-    ) -> anyhow::Result<Option<Vec<Vec<Hit>>>> {
+        work: impl FnOnce(&Gpu, &GpuScene<'_>) -> Result<T, GpuError>,
+    ) -> anyhow::Result<Option<T>> {
         let (Some(gpu), Some(uploaded)) = (&self.gpu, uploaded) else { return Ok(None) };
-        match gpu.probe_with(uploaded, rays, first_only, exactness) {
-            Ok(hits) => Ok(Some(hits)),
+        match work(gpu, uploaded) {
+            Ok(done) => Ok(Some(done)),
             Err(error) => {
                 self.fall_back(error)?;
                 Ok(None)
@@ -212,11 +210,11 @@ impl<'s> Renderer<'_, '_, 's> {
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> anyhow::Result<Film> {
         #[cfg(feature = "gpu")]
-        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
-            match gpu.render(uploaded, camera, options, progress) {
-                Ok(film) => return Ok(film),
-                Err(error) => self.device.fall_back(error)?,
-            }
+        if let Some(film) = self
+            .device
+            .on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.render(uploaded, camera, options, progress))?
+        {
+            return Ok(film);
         }
         self.device.announce_cpu();
         Ok(cpu::render(&self.scene, camera, options, progress))
@@ -251,11 +249,10 @@ impl<'s> Renderer<'_, '_, 's> {
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> anyhow::Result<Film> {
         #[cfg(feature = "gpu")]
-        if let (Some(gpu), Some(uploaded)) = (&self.device.gpu, &self.uploaded) {
-            match gpu.render_paths(uploaded, camera, options, paths, progress) {
-                Ok(film) => return Ok(film),
-                Err(error) => self.device.fall_back(error)?,
-            }
+        if let Some(film) = self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
+            gpu.render_paths(uploaded, camera, options, paths, progress)
+        })? {
+            return Ok(film);
         }
         self.device.announce_cpu();
         Ok(cpu::render_paths(&self.scene, camera, options, paths, progress))
@@ -274,7 +271,9 @@ impl<'s> Renderer<'_, '_, 's> {
         exactness: Exactness,
     ) -> anyhow::Result<Vec<Vec<Hit>>> {
         #[cfg(feature = "gpu")]
-        if let Some(hits) = self.device.probe(self.uploaded.as_ref(), rays, first_only, exactness)? {
+        if let Some(hits) = self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
+            gpu.probe_with(uploaded, rays, first_only, exactness)
+        })? {
             return Ok(hits);
         }
         Ok(cpu::probe_with(&self.scene, rays, Precision::F32, first_only, exactness))
@@ -306,7 +305,9 @@ impl Prober<'_, '_> {
     /// All hits of each ray, nearest first, or only the nearest of each.
     pub(super) fn probe(&mut self, rays: &[Ray], first_only: bool) -> anyhow::Result<Vec<Vec<Hit>>> {
         #[cfg(feature = "gpu")]
-        if let Some(hits) = self.device.probe(self.uploaded.as_ref(), rays, first_only, self.exactness)? {
+        if let Some(hits) = self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
+            gpu.probe_with(uploaded, rays, first_only, self.exactness)
+        })? {
             return Ok(hits);
         }
         if self.device.choice != DeviceChoice::Cpu {

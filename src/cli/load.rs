@@ -8,13 +8,12 @@ use super::bake::provenance;
 use super::progress::Progress;
 use super::report;
 use super::selection::{select_of_model, select_of_scene};
-use crate::bake::{BakeOptions, KeptScene, bake, extent};
-use crate::brep::{Model, replicate};
+use crate::bake::{BakeOptions, KeptScene, bake, replicate_side_by_side};
+use crate::brep::Model;
 use crate::cache::{CacheFile, Key};
 use crate::import::{Source, import};
 use crate::scene::{Scene, SceneBuffers, Severity, TrimMethod, validate};
 use anyhow::Context;
-use glam::DVec3;
 use std::path::Path;
 use std::time::Instant;
 
@@ -186,9 +185,7 @@ fn select_and_copy(
 ) -> anyhow::Result<Model> {
     select_of_model(&mut model, selection, path)?;
     let Some(copies) = copies else { return Ok(model) };
-    let bounds = extent(&model, options);
-    let size = if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min };
-    replicate(model, copies, size).with_context(|| path.display().to_string())
+    replicate_side_by_side(model, copies, options).with_context(|| path.display().to_string())
 }
 
 fn file_name(path: &Path) -> String {

@@ -62,8 +62,18 @@ pub struct Reference<'a> {
 struct Contents {
     /// Indices of analytic faces and their sizes.
     faces: Vec<(u32, f64)>,
-    /// Indices of nets and the boxes of their control points, face space.
-    nets: Vec<(u32, Aabb)>,
+    /// Its nets.
+    nets: Vec<NetContent>,
+}
+
+/// A net of a part.
+#[derive(Debug)]
+struct NetContent {
+    index: u32,
+    /// The box of its control points, face space.
+    bounds: Aabb,
+    /// What f32 leaves of its points, of its size.
+    tolerance: f64,
 }
 
 /// A hit on its way.
@@ -89,7 +99,8 @@ impl<'a> Reference<'a> {
         for (index, net) in (0..).zip(scene.nets) {
             let points = net_points(&scene, net).iter().map(|p| DVec3::new(p[0], p[1], p[2]) / p[3]);
             let part = scene.faces[net.face as usize].part;
-            parts[part as usize].nets.push((index, Aabb::around(points)));
+            let (bounds, tolerance) = (Aabb::around(points), net_tolerance(&scene, net));
+            parts[part as usize].nets.push(NetContent { index, bounds, tolerance });
         }
         Self { scene, parts }
     }
@@ -106,8 +117,8 @@ impl<'a> Reference<'a> {
             for &(face, size) in &contents.faces {
                 self.meet_face(&part_ray, index, face, size, &mut found)?;
             }
-            for (net, bounds) in &contents.nets {
-                self.meet_net(&part_ray, index, *net, bounds, &mut found)?;
+            for net in &contents.nets {
+                self.meet_net(&part_ray, index, net, &mut found)?;
             }
         }
         found.sort_by(|a, b| a.raw.distance.to_f64().total_cmp(&b.raw.distance.to_f64()));
@@ -184,17 +195,17 @@ impl<'a> Reference<'a> {
         &self,
         part_ray: &PartRay<f64>,
         instance: u32,
-        index: u32,
-        bounds: &Aabb,
+        content: &NetContent,
         found: &mut Vec<Candidate>,
     ) -> Option<()> {
         let scene = &self.scene;
+        let NetContent { index, ref bounds, tolerance } = *content;
         let step = scene.header.grid_step;
         let net = &scene.nets[index as usize];
         let face = &scene.faces[net.face as usize];
         let ray = approach_point(part_ray, face.grid, Vector3::from_f64(bounds.center().to_array()), step);
         let size = bounds.diagonal();
-        let tolerance = net_tolerance(scene, net) * size + step * f64::from(f32::EPSILON);
+        let tolerance = tolerance * size + step * f64::from(f32::EPSILON);
         let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64().normalize());
         if passes_by(&bounds.grown(2.0 * tolerance.max(face.slack.into())), origin, direction) {
             return Some(());
