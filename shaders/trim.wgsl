@@ -148,16 +148,22 @@ fn is_right_of_segment(root: u32, segment: TrimSegment, uv: vec2<f32>, by_band: 
     if uv.x < min(segment.low.x, segment.high.x) {
         return false;
     }
+    // At its own ends the segment is known to the last bit, while a curve that is level there finds no u.
+    if uv.y <= segment.low.y {
+        return uv.x >= segment.low.x;
+    }
+    if uv.y >= segment.high.y {
+        return uv.x >= segment.high.x;
+    }
     let degree = segment.curve >> 27u;
     if degree == 0u {
         return by_band;
     }
-    let v = clamp(uv.y, segment.low.y, segment.high.y);
     if degree == 1u {
         let size = segment.high - segment.low;
-        return (uv.x - segment.low.x) * size.y >= (v - segment.low.y) * size.x;
+        return (uv.x - segment.low.x) * size.y >= (uv.y - segment.low.y) * size.x;
     }
-    return is_right_of_curve(root, segment, vec2<f32>(uv.x, v));
+    return is_right_of_curve(root, segment, uv);
 }
 
 fn band_middle(band: u32, x: f32) -> f32 {

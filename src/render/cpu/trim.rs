@@ -230,17 +230,23 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         if uv[0] < low[0].min(high[0]) {
             return false;
         }
+        // At its own ends the segment is known to the last bit, while a curve that is level there finds no u.
+        if uv[1] <= low[1] {
+            return uv[0] >= low[0];
+        }
+        if uv[1] >= high[1] {
+            return uv[0] >= high[0];
+        }
         if segment.degree() == 0 {
             return by_band;
         }
-        let v = uv[1].max(low[1]).min(high[1]);
         if segment.degree() == 1 {
-            return (uv[0] - low[0]) * (high[1] - low[1]) >= (v - low[1]) * (high[0] - low[0]);
+            return (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0]);
         }
         if COUNT {
             counts.exact_tests += 1;
         }
-        is_right_of_curve(&self.scene.trim_nodes[self.root..], segment, [uv[0], v], &mut counts.evaluations)
+        is_right_of_curve(&self.scene.trim_nodes[self.root..], segment, uv, &mut counts.evaluations)
     }
 }
 
@@ -323,6 +329,25 @@ mod tests {
     fn left_half(offset: u32) -> [u32; 4] {
         let list = pack(TrimWord::List { offset });
         [list, list_head(false, 2), list_entry(0, 1), list_entry(0, 2)]
+    }
+
+    /// Where two quarters meet in a level tangent, one step of f32 left of their common end: the curve's u is lost in the rounding of its v.
+    #[test]
+    fn what_lies_at_a_level_end_is_near() {
+        let list = pack(TrimWord::List { offset: 3 });
+        let entries = [0, 1, 2, 3].map(|segment| list_entry(0, segment));
+        let trim_nodes = [&[grid([0, 0]), 0, list, list_head(false, 4)][..], &entries].concat();
+        let mut scene = SceneBuffers { trim_nodes, ..SceneBuffers::default() };
+        scene.header.trim_method = TrimMethod::PACKED.number();
+        quarters(&mut scene);
+        let lowest = scene.trim_segments[2].low;
+        let scene = scene.scene();
+        for by in -4..=4 {
+            let u = f32::from_bits(lowest[0].to_bits().wrapping_add_signed(by));
+            for v in [lowest[1].next_down(), lowest[1], lowest[1].next_up()] {
+                assert!(trim_point(&scene, 0, [u, v], [1e-6; 2]).is_near, "{by} {v}");
+            }
+        }
     }
 
     #[test]
