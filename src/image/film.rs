@@ -40,6 +40,7 @@ pub struct Layers {
     pub normal: bool,
     pub position: bool,
     pub uv: bool,
+    pub curvature: bool,
     /// [`Film::part`] and [`Film::face`].
     pub ids: bool,
     pub albedo: bool,
@@ -53,13 +54,22 @@ impl Layers {
         normal: false,
         position: false,
         uv: false,
+        curvature: false,
         ids: false,
         albedo: false,
         matte: false,
     };
     /// All of them.
-    pub const ALL: Self =
-        Self { depth: true, normal: true, position: true, uv: true, ids: true, albedo: true, matte: true };
+    pub const ALL: Self = Self {
+        depth: true,
+        normal: true,
+        position: true,
+        uv: true,
+        curvature: true,
+        ids: true,
+        albedo: true,
+        matte: true,
+    };
     /// What tells which pixel shows what, and how far away.
     pub const PLAIN: Self = Self { depth: true, normal: true, ids: true, ..Self::NONE };
 
@@ -70,7 +80,7 @@ impl Layers {
 
     /// Whether any layer tells what is seen at the pixels' centres.
     pub fn has_centers(self) -> bool {
-        self.depth || self.normal || self.position || self.uv || self.ids
+        self.depth || self.normal || self.position || self.uv || self.curvature || self.ids
     }
 
     /// Whether any layer gathers what the samples show first.
@@ -100,6 +110,9 @@ pub struct Film {
     pub position: Vec<[f32; 3]>,
     /// The surface's own parameters at the pixel's centre, radians and millimetres; 0 where nothing is hit.
     pub uv: Vec<[f32; 2]>,
+    /// The surface's mean curvature at the pixel's centre, 1/mm, positive where it bulges towards the viewer, and its Gaussian curvature, 1/mm²; 0 where
+    /// nothing is hit.
+    pub curvature: Vec<[f32; 2]>,
     /// 1 + instance index; 0 where nothing is hit.
     pub part: Vec<u32>,
     /// 1 + face index; 0 where nothing is hit.
@@ -134,6 +147,7 @@ impl Film {
             normal: layer(layers.normal, [0.0; 3], pixels),
             position: layer(layers.position, [0.0; 3], pixels),
             uv: layer(layers.uv, [0.0; 2], pixels),
+            curvature: layer(layers.curvature, [0.0; 2], pixels),
             part: layer(layers.ids, 0, pixels),
             face: layer(layers.ids, 0, pixels),
             albedo: layer(layers.albedo, [0.0; 3], pixels),
@@ -161,6 +175,7 @@ impl Film {
             normal: !other.normal.is_empty(),
             position: !other.position.is_empty(),
             uv: !other.uv.is_empty(),
+            curvature: !other.curvature.is_empty(),
             ids: !other.part.is_empty(),
             albedo: !other.albedo.is_empty(),
             matte: !other.matte.is_empty(),
@@ -212,6 +227,7 @@ impl Film {
             copy(&mut self.normal, to, &other.normal, from.clone());
             copy(&mut self.position, to, &other.position, from.clone());
             copy(&mut self.uv, to, &other.uv, from.clone());
+            copy(&mut self.curvature, to, &other.curvature, from.clone());
             copy(&mut self.albedo, to, &other.albedo, from.clone());
             copy(&mut self.matte, to, &other.matte, from.clone());
             copy(&mut self.part, to, &other.part, from.clone());
