@@ -14,6 +14,7 @@ use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
 use super::path::{environment, path_options};
 use super::progress::Progress;
+use super::reference::{Reference, reference};
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
 use super::section;
 use super::selection::select_of_scene;
@@ -45,14 +46,21 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let looks = looks(&command.material)?;
     let environment = environment(&command.path)?;
     let maps = id_maps(command)?;
+    let reference = reference(&command.reference, &plan)?;
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
     let mut report = RunReport::default();
     let is_batch = command.inputs.len() > 1;
     for (index, (input, stills)) in command.inputs.iter().zip(&plan).enumerate() {
         let mut own = InputReport::default();
-        let task =
-            Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
+        let task = Task {
+            input,
+            stills,
+            views: &views,
+            window,
+            id_map: maps.get(index).map(PathBuf::as_path),
+            reference: reference.as_ref(),
+        };
         let result = render_input(
             &task,
             command,
@@ -141,6 +149,7 @@ struct Task<'t> {
     views: &'t [&'t str],
     window: Option<Window>,
     id_map: Option<&'t Path>,
+    reference: Option<&'t Reference<'t>>,
 }
 
 /// The files of `--id-map`, one for each input; none without it.
@@ -221,7 +230,7 @@ fn render_input(
         pictures,
     };
     report.seconds.render += start.elapsed().as_secs_f64();
-    let result = task.stills.iter().try_for_each(|still| job.write(still, task.views, general, report));
+    let result = task.stills.iter().try_for_each(|still| job.write(still, task, general, report));
     log::info!("rendered in {:.2} s", report.seconds.render);
     drop(job);
     device.name().clone_into(&mut report.device);
@@ -265,7 +274,7 @@ impl Job<'_, '_, '_> {
     fn write(
         &mut self,
         still: &Still,
-        views: &[&str],
+        task: &Task<'_>,
         general: &General,
         report: &mut InputReport,
     ) -> anyhow::Result<()> {
@@ -282,7 +291,7 @@ impl Job<'_, '_, '_> {
         let has_alpha = self.look.background() == Background::Transparent;
         let mut animation =
             Animation::new(still.frames.len() as u32, self.command.camera.frame_rate, depth, has_alpha);
-        let mut size = [0; 2];
+        let (mut size, mut bytes) = ([0; 2], Vec::new());
         for frame in still.frames.clone() {
             let start = Instant::now();
             let film = self.sheet(still, frame)?;
@@ -291,29 +300,24 @@ impl Job<'_, '_, '_> {
             if is_animated {
                 animation.push(&film)?;
             } else {
-                still.output.write(&film, depth, &self.part_names)?;
+                bytes = still.output.encode(&film, depth, &self.part_names)?;
             }
             report.seconds.render += (rendered - start).as_secs_f64();
             report.seconds.write += rendered.elapsed().as_secs_f64();
         }
+        let start = Instant::now();
         if is_animated {
-            still.output.write_animation(animation)?;
+            bytes = animation.finish()?;
         }
-        let Some(path) = still.output.path() else { return Ok(()) };
-        let [width, height] = size;
+        still.output.write(&bytes)?;
+        report.seconds.write += start.elapsed().as_secs_f64();
+        tell(still, size, task.views, general, report)?;
+        let Some(reference) = task.reference else { return Ok(()) };
+        let comparison = reference.compare(&still.output, &bytes)?;
         if !general.quiet {
-            let frames = if is_animated { format!(", {} frames", still.frames.len()) } else { String::new() };
-            writeln!(std::io::stderr(), "{}: {width} by {height} pixels{frames}", path.display())?;
+            comparison.write_table(&mut std::io::stderr())?;
         }
-        let shown = views.get(still.views.clone()).unwrap_or_default();
-        report.files.push(FileReport {
-            path: path.display().to_string(),
-            width,
-            height,
-            views: shown.iter().map(|&name| name.to_owned()).collect(),
-            frames: [still.frames.start, still.frames.end],
-        });
-        Ok(())
+        Ok(report.reference.insert(comparison).verdict()?)
     }
 
     /// One frame of a file's views.
@@ -340,4 +344,29 @@ impl Job<'_, '_, '_> {
         }
         Ok(sheet(films, self.look.background()))
     }
+}
+
+/// Tells of a file that is written.
+fn tell(
+    still: &Still,
+    [width, height]: [usize; 2],
+    views: &[&str],
+    general: &General,
+    report: &mut InputReport,
+) -> anyhow::Result<()> {
+    let Some(path) = still.output.path() else { return Ok(()) };
+    if !general.quiet {
+        let frames =
+            if still.frames.len() > 1 { format!(", {} frames", still.frames.len()) } else { String::new() };
+        writeln!(std::io::stderr(), "{}: {width} by {height} pixels{frames}", path.display())?;
+    }
+    let shown = views.get(still.views.clone()).unwrap_or_default();
+    report.files.push(FileReport {
+        path: path.display().to_string(),
+        width,
+        height,
+        views: shown.iter().map(|&name| name.to_owned()).collect(),
+        frames: [still.frames.start, still.frames.end],
+    });
+    Ok(())
 }

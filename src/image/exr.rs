@@ -7,14 +7,13 @@
 //! a larger picture has its place as its data window and the whole as its display window.
 //! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
 
-use super::files::{self, ImageError};
+use super::files::ImageError;
 use super::{Film, Window, cryptomatte};
 use exr::meta::attribute::{AttributeValue, IntegerBounds};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, Layer,
     LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16,
 };
-use std::path::Path;
 
 /// Samples of more pixels than any camera has are not read.
 const MAX_PIXELS: usize = 1 << 28;
@@ -32,9 +31,9 @@ pub(super) struct Layered {
     pub(super) attributes: Vec<(String, String)>,
 }
 
-/// Writes a film; `names` are those of its parts, for Cryptomatte.
-pub fn write_exr(path: &Path, film: &Film, names: &[String]) -> Result<(), ImageError> {
-    files::write(path, &encode(&layered(film, names))?)
+/// The bytes of a film's file; `names` are those of its parts, for Cryptomatte.
+pub fn encode_exr(film: &Film, names: &[String]) -> Result<Vec<u8>, ImageError> {
+    encode(&layered(film, names))
 }
 
 /// The channels of a film.

@@ -22,7 +22,7 @@ pub use animation::Animation;
 pub use compare::{Difference, SizesDiffer, compare};
 pub use cryptomatte::{RANKS, Share, matte_id, unique_names};
 pub use diff::{ChannelDifference, ImageDifference, NotComparable, Numbers, diff};
-pub use exr::write_exr;
+pub use exr::encode_exr;
 pub use files::{ImageError, write as write_file};
 pub use film::{Film, Layers, Window};
 pub use light_map::LightMap;
