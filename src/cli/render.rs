@@ -96,8 +96,15 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
     if command.aov.is_some() && command.device == DeviceChoice::Gpu {
         return usage("--aov trim-tests is counted on the CPU: leave out --device gpu");
     }
-    if command.aov.is_some() && (command.style.has_lines() || !command.section.section.is_empty()) {
-        return usage("--aov shows what trims cost: leave out lines, styles and sections");
+    let is_plain = !command.style.has_lines()
+        && command.style.style == StyleChoice::Shaded
+        && command.section.section.is_empty()
+        && !command.path.path_trace
+        && !command.path.changes_tones();
+    if command.aov.is_some() && !is_plain {
+        return usage(
+            "--aov shows what trims cost: leave out lines, styles, sections, --path-trace, --tone-mapping and --exposure",
+        );
     }
     let mut stills = plan.iter().flatten();
     let has_window = command.writing.cropwindow.is_some() || command.writing.tile.is_some();
@@ -115,9 +122,6 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
         return usage(
             "the styles technical and blueprint have looks of their own: leave out --color and its like",
         );
-    }
-    if has_window && command.style.has_lines() {
-        return usage("lines are drawn over whole pictures: leave out --cropwindow and --tile");
     }
     if command.writing.json && stills.clone().any(|still| still.output == Output::Stdout) {
         return usage("--json and the picture cannot both go to stdout: name a file with -o");
@@ -284,9 +288,6 @@ impl Job<'_, '_, '_> {
             Output::Exr(_) => layers(&writing.layers),
             Output::Png(_) | Output::Stdout => Layers::NONE,
         };
-        if self.look.has_lines() {
-            self.options.layers = self.options.layers.with_plain();
-        }
         let is_animated = still.frames.len() > 1;
         let has_alpha = self.look.background() == Background::Transparent;
         let mut animation =
@@ -294,7 +295,7 @@ impl Job<'_, '_, '_> {
         let (mut size, mut bytes) = ([0; 2], Vec::new());
         for frame in still.frames.clone() {
             let start = Instant::now();
-            let film = self.sheet(still, frame)?;
+            let film = self.sheet(still, frame, task.views)?;
             let rendered = Instant::now();
             size = [film.width, film.height];
             if is_animated {
@@ -321,7 +322,13 @@ impl Job<'_, '_, '_> {
     }
 
     /// One frame of a file's views.
-    fn sheet(&mut self, still: &Still, frame: u32) -> anyhow::Result<Film> {
+    fn sheet(&mut self, still: &Still, frame: u32, views: &[&str]) -> anyhow::Result<Film> {
+        let asked = self.options;
+        let mut options = asked;
+        if self.look.has_lines() {
+            options.layers = asked.layers.with_plain();
+            options.window = asked.window.map(|window| self.look.with_margin(window, asked.resolution));
+        }
         let mut films = Vec::with_capacity(still.views.len());
         for view in still.views.clone() {
             let camera = self.cameras[view][frame as usize];
@@ -329,16 +336,20 @@ impl Job<'_, '_, '_> {
             let progress = &self.progress;
             let tell = |part, of| progress.tell(done * of + part, pictures * of);
             let mut film = match (self.command.aov, &self.paths) {
-                (Some(AovChoice::TrimTests), _) => {
-                    self.renderer.render_trim_tests(&camera, &self.options, &tell)
-                }
-                (None, Some(paths)) => self.renderer.render_paths(&camera, &self.options, paths, &tell)?,
-                (None, None) => self.renderer.render(&camera, &self.options, &tell)?,
+                (Some(AovChoice::TrimTests), _) => self.renderer.render_trim_tests(&camera, &options, &tell),
+                (None, Some(paths)) => self.renderer.render_paths(&camera, &options, paths, &tell)?,
+                (None, None) => self.renderer.render(&camera, &options, &tell)?,
             };
             if still.output.is_shown() {
                 self.look.develop(&mut film);
             }
-            self.look.finish(&camera, &self.options, &mut film, &mut self.renderer)?;
+            self.look.finish(&camera, &options, &mut film, &mut self.renderer)?;
+            if self.look.has_lines() {
+                film = film.part(asked.window.unwrap_or(film.window()), asked.layers);
+            }
+            if self.command.camera.labels {
+                film.write_label(views[view], self.look.label_color());
+            }
             films.push(film);
             self.done += 1;
         }

@@ -11,6 +11,7 @@ mod diff;
 mod exr;
 mod files;
 mod film;
+mod lettering;
 mod light_map;
 mod merge;
 mod picture;

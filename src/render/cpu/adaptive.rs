@@ -59,10 +59,7 @@ pub struct Centers<'a> {
 pub fn with_margin(options: &RenderOptions) -> Window {
     let whole = options.resolution.map(|n| n as usize);
     let Some(window) = options.window else { return Window::whole(whole[0], whole[1]) };
-    let (left, top) = (window.left.saturating_sub(MARGIN), window.top.saturating_sub(MARGIN));
-    let right = (window.left + window.width + MARGIN).min(whole[0]);
-    let bottom = (window.top + window.height + MARGIN).min(whole[1]);
-    Window { left, top, width: right - left, height: bottom - top }
+    window.with_margin(MARGIN, whole)
 }
 
 impl<'a> Centers<'a> {

@@ -8,7 +8,7 @@ use super::bernstein::{MAX_ORDER, basis_and_slopes, net_degrees};
 use super::frames::{FaceFrame, InstanceFrame, Kernel};
 use super::vector::Vector3;
 use crate::scene::{FaceKind, Net, Scene, point_side};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 /// How near to a side that is one point curvatures are still taken: nearer they are those of here, as what f32 rounds of control points grows with the
 /// inverse of the distance.
@@ -130,22 +130,25 @@ struct Derivatives {
 fn derivatives(scene: &Scene<'_>, net: &Net, uv: [f64; 2]) -> Derivatives {
     let (degree_u, degree_v) = net_degrees(net);
     let (weights_u, weights_v) = (orders(degree_u, uv[0]), orders(degree_v, uv[1]));
-    let sum = |order_u: usize, order_v: usize| {
-        let (mut point, mut weight) = (DVec3::ZERO, 0.0);
-        for i in 0..=degree_u {
-            for j in 0..=degree_v {
-                let index = net.first_point as usize + i * (degree_v + 1) + j;
-                let [x, y, z, w] = scene.net_points[index].map(f64::from);
-                let share = weights_u[order_u][i] * weights_v[order_v][j];
-                point += DVec3::new(x, y, z) * share;
-                weight += w * share;
-            }
+    let mut sums = [[DVec4::ZERO; 3]; 3];
+    let mut points = scene.net_points[net.first_point as usize..].iter();
+    for i in 0..=degree_u {
+        let mut row = [DVec4::ZERO; 3];
+        for (j, point) in points.by_ref().take(degree_v + 1).enumerate() {
+            let point = DVec4::from_array(point.map(f64::from));
+            (0..3).for_each(|order| row[order] += point * weights_v[order][j]);
         }
-        (point, weight)
+        for (order, weights) in weights_u.iter().enumerate() {
+            (0..3 - order).for_each(|other| sums[order][other] += row[other] * weights[i]);
+        }
+    }
+    let parts = |order_u: usize, order_v: usize| {
+        let sum = sums[order_u][order_v];
+        (sum.truncate(), sum.w)
     };
-    let (a, w) = sum(0, 0);
-    let [(a_u, w_u), (a_v, w_v)] = [sum(1, 0), sum(0, 1)];
-    let [(a_uu, w_uu), (a_uv, w_uv), (a_vv, w_vv)] = [sum(2, 0), sum(1, 1), sum(0, 2)];
+    let (a, w) = parts(0, 0);
+    let [(a_u, w_u), (a_v, w_v)] = [parts(1, 0), parts(0, 1)];
+    let [(a_uu, w_uu), (a_uv, w_uv), (a_vv, w_vv)] = [parts(2, 0), parts(1, 1), parts(0, 2)];
     let s = a / w;
     let (by_u, by_v) = ((a_u - s * w_u) / w, (a_v - s * w_v) / w);
     Derivatives {

@@ -28,7 +28,8 @@ pub(super) fn add_hatches(
             continue;
         }
         let instance = film.part[pixel] - 1;
-        let center = DVec2::new((pixel % film.width) as f64 + 0.5, (pixel / film.width) as f64 + 0.5);
+        let [x, y] = [film.corner[0] + pixel % film.width, film.corner[1] + pixel / film.width];
+        let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let ray = screen.ray(center);
         let point = ray.origin + ray.direction * (f64::from(film.depth[pixel]) / screen.depth_of(&ray));
         let off = |k: usize| (section.planes()[k].normal.dot(point) - section.planes()[k].offset).abs();
