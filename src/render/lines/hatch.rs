@@ -21,7 +21,7 @@ pub(super) fn add_hatches(
     width: f64,
     mask: &mut Mask,
 ) {
-    let world = WorldSection::new(section, scene.header);
+    let world = WorldSection::new(section, scene.header, screen.camera(), screen.size()[1] as u32);
     let anchor = DVec3::from_array(scene.header.world_anchor);
     for pixel in 0..film.part.len() {
         if film.part[pixel] == 0 || film.face[pixel] != 0 {

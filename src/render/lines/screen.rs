@@ -19,6 +19,10 @@ impl<'a> Screen<'a> {
         Self { camera, size: film.whole, window: film.window() }
     }
 
+    pub(super) fn camera(&self) -> &Camera {
+        self.camera
+    }
+
     /// The part that is drawn.
     pub(super) fn window(&self) -> Window {
         self.window
