@@ -230,7 +230,8 @@ mod tests {
         let torus = TestFace::analytic(FaceKind::Torus, [2.0, 0.5], [0.0, 0.0], [FULL, FULL]);
         let plane = TestFace::analytic(FaceKind::Plane, [0.0; 2], [-2.0; 2], [2.0; 2]);
         let seen = |face: &TestFace, from: DVec3, expected: &dyn Fn(DVec3) -> [f64; 2]| {
-            let seen = check(&film(&[face.clone()], DAffine3::IDENTITY, from, 3.0), 1e-4, expected);
+            let seen =
+                check(&film(std::slice::from_ref(face), DAffine3::IDENTITY, from, 3.0), 1e-4, expected);
             assert!(seen > 300, "{seen}");
         };
         seen(&sphere, from, &|_| [0.5, 0.25]);
