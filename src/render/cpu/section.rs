@@ -28,9 +28,9 @@ pub const NO_PLANE: u32 = u32::MAX;
 /// camera turns.
 const HATCH_PITCH: f64 = 0.03;
 /// The distance that is wanted, of the picture's height …
-const HATCH_SHOWN: f64 = 1.0 / 70.0;
+const HATCH_SHOWN: f64 = 1.0 / 48.0;
 /// … and at least, pixels: finer lines are no longer lines.
-const HATCH_FINEST: f64 = 7.0;
+const HATCH_FINEST: f64 = 9.0;
 /// The share of a cap that hatch lines take …
 pub const HATCH_SHARE: f32 = 0.16;
 /// … and of its light that they leave.
@@ -294,7 +294,7 @@ mod tests {
         let near = Camera { position: DVec3::X * 6.0, ..camera };
         let narrow = Camera { half_height: 0.01, ..camera };
         for close in [&near, &narrow] {
-            assert!((whole / pitch(close, 1000) - 128.0).abs() < 1e-9, "{}", pitch(close, 1000));
+            assert!((whole / pitch(close, 1000) - 64.0).abs() < 1e-9, "{}", pitch(close, 1000));
         }
         let parallel = Camera { half_height: 1.0, orthographic: true, ..camera };
         assert_eq!(pitch(&parallel, 1000), pitch(&near, 1000));
