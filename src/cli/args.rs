@@ -7,6 +7,7 @@ use super::args_files::{Diff, Merge};
 use super::args_material::MaterialArguments;
 use super::args_output::OutputArguments;
 use super::args_path::PathArguments;
+use super::args_reference::ReferenceArguments;
 use super::args_section::SectionArguments;
 use super::args_select::SelectionArguments;
 use super::args_style::StyleArguments;
@@ -91,6 +92,7 @@ Examples:
   trimray render part.step -o '{view}.png' --view front,top,right --camera-orthographic
   trimray render part.step -o turn.png --frames 36
   trimray render part.step -o still.png --path-trace --ground --spp 256 --noise 0.01
+  trimray render part.step -o new.png --reference old.png --reference-tolerance 0.02 --reference-max-outliers 0.001
   trimray render a.step b.step -o 'pictures/{model}.png'")]
 pub(super) struct Render {
     /// STEP or IGES files, or baked .trimray files.
@@ -142,6 +144,8 @@ pub(super) struct Render {
     pub(super) camera: CameraArguments,
     #[command(flatten)]
     pub(super) writing: OutputArguments,
+    #[command(flatten)]
+    pub(super) reference: ReferenceArguments,
     #[command(flatten)]
     pub(super) style: StyleArguments,
     #[command(flatten)]

@@ -58,6 +58,9 @@ pub(super) enum LayerChoice {
     Position,
     /// uv.U, .V: the surface's own parameters, radians and millimetres, at the pixel's centre.
     Uv,
+    /// mean_curvature.V, gaussian_curvature.V: of the surface at the pixel's centre, 1/mm and 1/mm^2; a ball of radius r has 1/r and 1/r^2, and what is
+    /// hollow towards the viewer has a negative mean.
+    Curvature,
     /// id.part, id.face: whole numbers, 0 where nothing is, at the pixel's centre; --id-map says what they stand for.
     Id,
     /// albedo.R, .G, .B: colours without light, linear, the mean of the samples.
@@ -77,6 +80,7 @@ pub(super) fn layers(choices: &[LayerChoice]) -> Layers {
             LayerChoice::Normal => layers.normal = true,
             LayerChoice::Position => layers.position = true,
             LayerChoice::Uv => layers.uv = true,
+            LayerChoice::Curvature => layers.curvature = true,
             LayerChoice::Id => layers.ids = true,
             LayerChoice::Albedo => layers.albedo = true,
             LayerChoice::Cryptomatte => layers.matte = true,

@@ -62,6 +62,11 @@ pub(super) enum ToneChoice {
 }
 
 impl PathArguments {
+    /// Whether light is shown other than as it is.
+    pub(super) fn changes_tones(&self) -> bool {
+        self.tone_mapping() != ToneMapping::None || self.exposure != 0.0
+    }
+
     /// How bright light is shown.
     pub(super) fn tone_mapping(&self) -> ToneMapping {
         // The studio's light shows colours as they are; how bright a map is nobody knows.

@@ -1,7 +1,7 @@
 //! Where pictures go: the templates `{model}`, `{view}` and `{frame}`, the format by extension, '-' for stdout.
 
 use super::Failure;
-use crate::image::{Animation, BitDepth, Film, encode_film, write_exr, write_file};
+use crate::image::{BitDepth, Film, encode_exr, encode_film, write_file};
 use std::collections::HashSet;
 use std::io::Write;
 use std::ops::Range;
@@ -125,22 +125,24 @@ fn output(name: &str) -> Result<Output, Failure> {
 }
 
 impl Output {
-    /// Writes a picture; the names of its parts are for Cryptomatte.
-    pub(super) fn write(&self, film: &Film, depth: BitDepth, part_names: &[String]) -> anyhow::Result<()> {
-        match self {
-            Self::Stdout => write_stdout(&encode_film(film, depth)?)?,
-            Self::Png(path) => write_file(path, &encode_film(film, depth)?)?,
-            Self::Exr(path) => write_exr(path, film, part_names)?,
-        }
-        Ok(())
+    /// The bytes of a picture; the names of its parts are for Cryptomatte.
+    pub(super) fn encode(
+        &self,
+        film: &Film,
+        depth: BitDepth,
+        part_names: &[String],
+    ) -> anyhow::Result<Vec<u8>> {
+        Ok(match self {
+            Self::Stdout | Self::Png(_) => encode_film(film, depth)?,
+            Self::Exr(_) => encode_exr(film, part_names)?,
+        })
     }
 
-    /// Writes an animated PNG.
-    pub(super) fn write_animation(&self, animation: Animation) -> anyhow::Result<()> {
-        let bytes = animation.finish()?;
+    /// Writes a picture's bytes.
+    pub(super) fn write(&self, bytes: &[u8]) -> anyhow::Result<()> {
         match self {
-            Self::Stdout => write_stdout(&bytes)?,
-            Self::Png(path) | Self::Exr(path) => write_file(path, &bytes)?,
+            Self::Stdout => write_stdout(bytes)?,
+            Self::Png(path) | Self::Exr(path) => write_file(path, bytes)?,
         }
         Ok(())
     }

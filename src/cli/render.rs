@@ -14,6 +14,7 @@ use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
 use super::path::{environment, path_options};
 use super::progress::Progress;
+use super::reference::{Reference, reference};
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
 use super::section;
 use super::selection::select_of_scene;
@@ -45,14 +46,21 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let looks = looks(&command.material)?;
     let environment = environment(&command.path)?;
     let maps = id_maps(command)?;
+    let reference = reference(&command.reference, &plan)?;
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
     let mut report = RunReport::default();
     let is_batch = command.inputs.len() > 1;
     for (index, (input, stills)) in command.inputs.iter().zip(&plan).enumerate() {
         let mut own = InputReport::default();
-        let task =
-            Task { input, stills, views: &views, window, id_map: maps.get(index).map(PathBuf::as_path) };
+        let task = Task {
+            input,
+            stills,
+            views: &views,
+            window,
+            id_map: maps.get(index).map(PathBuf::as_path),
+            reference: reference.as_ref(),
+        };
         let result = render_input(
             &task,
             command,
@@ -88,8 +96,15 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
     if command.aov.is_some() && command.device == DeviceChoice::Gpu {
         return usage("--aov trim-tests is counted on the CPU: leave out --device gpu");
     }
-    if command.aov.is_some() && (command.style.has_lines() || !command.section.section.is_empty()) {
-        return usage("--aov shows what trims cost: leave out lines, styles and sections");
+    let is_plain = !command.style.has_lines()
+        && command.style.style == StyleChoice::Shaded
+        && command.section.section.is_empty()
+        && !command.path.path_trace
+        && !command.path.changes_tones();
+    if command.aov.is_some() && !is_plain {
+        return usage(
+            "--aov shows what trims cost: leave out lines, styles, sections, --path-trace, --tone-mapping and --exposure",
+        );
     }
     let mut stills = plan.iter().flatten();
     let has_window = command.writing.cropwindow.is_some() || command.writing.tile.is_some();
@@ -107,9 +122,6 @@ fn check(command: &Render, plan: &[Vec<Still>]) -> Result<(), Failure> {
         return usage(
             "the styles technical and blueprint have looks of their own: leave out --color and its like",
         );
-    }
-    if has_window && command.style.has_lines() {
-        return usage("lines are drawn over whole pictures: leave out --cropwindow and --tile");
     }
     if command.writing.json && stills.clone().any(|still| still.output == Output::Stdout) {
         return usage("--json and the picture cannot both go to stdout: name a file with -o");
@@ -141,6 +153,7 @@ struct Task<'t> {
     views: &'t [&'t str],
     window: Option<Window>,
     id_map: Option<&'t Path>,
+    reference: Option<&'t Reference<'t>>,
 }
 
 /// The files of `--id-map`, one for each input; none without it.
@@ -221,7 +234,7 @@ fn render_input(
         pictures,
     };
     report.seconds.render += start.elapsed().as_secs_f64();
-    let result = task.stills.iter().try_for_each(|still| job.write(still, task.views, general, report));
+    let result = task.stills.iter().try_for_each(|still| job.write(still, task, general, report));
     log::info!("rendered in {:.2} s", report.seconds.render);
     drop(job);
     device.name().clone_into(&mut report.device);
@@ -265,7 +278,7 @@ impl Job<'_, '_, '_> {
     fn write(
         &mut self,
         still: &Still,
-        views: &[&str],
+        task: &Task<'_>,
         general: &General,
         report: &mut InputReport,
     ) -> anyhow::Result<()> {
@@ -275,49 +288,47 @@ impl Job<'_, '_, '_> {
             Output::Exr(_) => layers(&writing.layers),
             Output::Png(_) | Output::Stdout => Layers::NONE,
         };
-        if self.look.has_lines() {
-            self.options.layers = self.options.layers.with_plain();
-        }
         let is_animated = still.frames.len() > 1;
         let has_alpha = self.look.background() == Background::Transparent;
         let mut animation =
             Animation::new(still.frames.len() as u32, self.command.camera.frame_rate, depth, has_alpha);
-        let mut size = [0; 2];
+        let (mut size, mut bytes) = ([0; 2], Vec::new());
         for frame in still.frames.clone() {
             let start = Instant::now();
-            let film = self.sheet(still, frame)?;
+            let film = self.sheet(still, frame, task.views)?;
             let rendered = Instant::now();
             size = [film.width, film.height];
             if is_animated {
                 animation.push(&film)?;
             } else {
-                still.output.write(&film, depth, &self.part_names)?;
+                bytes = still.output.encode(&film, depth, &self.part_names)?;
             }
             report.seconds.render += (rendered - start).as_secs_f64();
             report.seconds.write += rendered.elapsed().as_secs_f64();
         }
+        let start = Instant::now();
         if is_animated {
-            still.output.write_animation(animation)?;
+            bytes = animation.finish()?;
         }
-        let Some(path) = still.output.path() else { return Ok(()) };
-        let [width, height] = size;
+        still.output.write(&bytes)?;
+        report.seconds.write += start.elapsed().as_secs_f64();
+        tell(still, size, task.views, general, report)?;
+        let Some(reference) = task.reference else { return Ok(()) };
+        let comparison = reference.compare(&still.output, &bytes)?;
         if !general.quiet {
-            let frames = if is_animated { format!(", {} frames", still.frames.len()) } else { String::new() };
-            writeln!(std::io::stderr(), "{}: {width} by {height} pixels{frames}", path.display())?;
+            comparison.write_table(&mut std::io::stderr())?;
         }
-        let shown = views.get(still.views.clone()).unwrap_or_default();
-        report.files.push(FileReport {
-            path: path.display().to_string(),
-            width,
-            height,
-            views: shown.iter().map(|&name| name.to_owned()).collect(),
-            frames: [still.frames.start, still.frames.end],
-        });
-        Ok(())
+        Ok(report.reference.insert(comparison).verdict()?)
     }
 
     /// One frame of a file's views.
-    fn sheet(&mut self, still: &Still, frame: u32) -> anyhow::Result<Film> {
+    fn sheet(&mut self, still: &Still, frame: u32, views: &[&str]) -> anyhow::Result<Film> {
+        let asked = self.options;
+        let mut options = asked;
+        if self.look.has_lines() {
+            options.layers = asked.layers.with_plain();
+            options.window = asked.window.map(|window| self.look.with_margin(window, asked.resolution));
+        }
         let mut films = Vec::with_capacity(still.views.len());
         for view in still.views.clone() {
             let camera = self.cameras[view][frame as usize];
@@ -325,19 +336,48 @@ impl Job<'_, '_, '_> {
             let progress = &self.progress;
             let tell = |part, of| progress.tell(done * of + part, pictures * of);
             let mut film = match (self.command.aov, &self.paths) {
-                (Some(AovChoice::TrimTests), _) => {
-                    self.renderer.render_trim_tests(&camera, &self.options, &tell)
-                }
-                (None, Some(paths)) => self.renderer.render_paths(&camera, &self.options, paths, &tell)?,
-                (None, None) => self.renderer.render(&camera, &self.options, &tell)?,
+                (Some(AovChoice::TrimTests), _) => self.renderer.render_trim_tests(&camera, &options, &tell),
+                (None, Some(paths)) => self.renderer.render_paths(&camera, &options, paths, &tell)?,
+                (None, None) => self.renderer.render(&camera, &options, &tell)?,
             };
             if still.output.is_shown() {
                 self.look.develop(&mut film);
             }
-            self.look.finish(&camera, &self.options, &mut film, &mut self.renderer)?;
+            self.look.finish(&camera, &options, &mut film, &mut self.renderer)?;
+            if self.look.has_lines() {
+                film = film.part(asked.window.unwrap_or(film.window()), asked.layers);
+            }
+            if self.command.camera.labels {
+                film.write_label(views[view], self.look.label_color());
+            }
             films.push(film);
             self.done += 1;
         }
         Ok(sheet(films, self.look.background()))
     }
+}
+
+/// Tells of a file that is written.
+fn tell(
+    still: &Still,
+    [width, height]: [usize; 2],
+    views: &[&str],
+    general: &General,
+    report: &mut InputReport,
+) -> anyhow::Result<()> {
+    let Some(path) = still.output.path() else { return Ok(()) };
+    if !general.quiet {
+        let frames =
+            if still.frames.len() > 1 { format!(", {} frames", still.frames.len()) } else { String::new() };
+        writeln!(std::io::stderr(), "{}: {width} by {height} pixels{frames}", path.display())?;
+    }
+    let shown = views.get(still.views.clone()).unwrap_or_default();
+    report.files.push(FileReport {
+        path: path.display().to_string(),
+        width,
+        height,
+        views: shown.iter().map(|&name| name.to_owned()).collect(),
+        frames: [still.frames.start, still.frames.end],
+    });
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! What `trimray render --json` tells. Names of fields are those of the JSON object: they stay.
 
 use super::Failure;
+use super::comparison::Comparison;
 use super::exit_code;
 use crate::scene::{Scene, Severity};
 use serde::Serialize;
@@ -26,6 +27,9 @@ pub(super) struct InputReport {
     pub(super) device: String,
     pub(super) faces: FaceReport,
     pub(super) files: Vec<FileReport>,
+    /// With `--reference`, as `diff --json` tells it: a is the reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) reference: Option<Comparison>,
     pub(super) seconds: Seconds,
 }
 

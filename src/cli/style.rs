@@ -4,8 +4,8 @@ use super::Failure;
 use super::args_path::PathArguments;
 use super::args_style::StyleArguments;
 use super::device::Renderer;
-use crate::image::{Film, ToneMapping};
-use crate::render::lines::{HiddenLines, LineOptions, line_coverage};
+use crate::image::{Film, ToneMapping, Window};
+use crate::render::lines::{HiddenLines, LineOptions, line_coverage, margin};
 use crate::render::{Background, Camera, Hit, Ray, RenderOptions, Style, first_in_section};
 
 /// What is done to a picture once its faces are rendered.
@@ -65,9 +65,23 @@ impl Look {
         self.lines.is_some()
     }
 
+    /// The part of a picture to render so that the part that is asked for has its lines.
+    pub(super) fn with_margin(&self, window: Window, resolution: [u32; 2]) -> Window {
+        let margin = self.lines.as_ref().map_or(0, margin);
+        window.with_margin(margin, resolution.map(|n| n as usize))
+    }
+
     /// What stands behind it all.
     pub(super) fn background(&self) -> Background {
         self.background
+    }
+
+    /// The colour of words over the background, sRGB.
+    pub(super) fn label_color(&self) -> [f32; 3] {
+        match self.background {
+            Background::Color([red, green, blue]) if red + green + blue < 1.5 => [0.95; 3],
+            _ => [0.12; 3],
+        }
     }
 
     /// What the faces are rendered before: nothing where more is laid over them.

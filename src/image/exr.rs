@@ -1,19 +1,19 @@
 //! OpenEXR: the whole film in one part, linear light.
 //!
 //! Channels, named by layer as compositing tools expect: `R G B A` in half floats (premultiplied, as OpenEXR wants it), and of the layers that the film
-//! has `depth.Z` and `position.X Y Z` in millimetres, `normal.X Y Z` in world space, `uv.U V`, `albedo.R G B` in half floats, `id.part` and
+//! has `depth.Z` and `position.X Y Z` in millimetres, `normal.X Y Z` in world space, `uv.U V`, `mean_curvature.V` in 1/mm and
+//! `gaussian_curvature.V` in 1/mm² (single values, that is how Blender takes numbers that are neither colour nor vector), `albedo.R G B` in half floats, `id.part` and
 //! `id.face` as u32 (1 + index, 0 where nothing is hit), those of Cryptomatte, `edges.A`, what lines cover, in half floats, and `trim.tests` as u32. A part of
 //! a larger picture has its place as its data window and the whole as its display window.
 //! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
 
-use super::files::{self, ImageError};
+use super::files::ImageError;
 use super::{Film, Window, cryptomatte};
 use exr::meta::attribute::{AttributeValue, IntegerBounds};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, Layer,
     LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16,
 };
-use std::path::Path;
 
 /// Samples of more pixels than any camera has are not read.
 const MAX_PIXELS: usize = 1 << 28;
@@ -31,9 +31,9 @@ pub(super) struct Layered {
     pub(super) attributes: Vec<(String, String)>,
 }
 
-/// Writes a film; `names` are those of its parts, for Cryptomatte.
-pub fn write_exr(path: &Path, film: &Film, names: &[String]) -> Result<(), ImageError> {
-    files::write(path, &encode(&layered(film, names))?)
+/// The bytes of a film's file; `names` are those of its parts, for Cryptomatte.
+pub fn encode_exr(film: &Film, names: &[String]) -> Result<Vec<u8>, ImageError> {
+    encode(&layered(film, names))
 }
 
 /// The channels of a film.
@@ -44,6 +44,7 @@ pub(super) fn layered(film: &Film, names: &[String]) -> Layered {
     channels.add("normal.", ["X", "Y", "Z"], &film.normal, FlatSamples::F32);
     channels.add("position.", ["X", "Y", "Z"], &film.position, FlatSamples::F32);
     channels.add("uv.", ["U", "V"], &film.uv, FlatSamples::F32);
+    channels.add("", ["mean_curvature.V", "gaussian_curvature.V"], &film.curvature, FlatSamples::F32);
     channels.add_one("depth.Z", FlatSamples::F32(film.depth.clone()));
     channels.add_one("id.part", FlatSamples::U32(film.part.clone()));
     channels.add_one("id.face", FlatSamples::U32(film.face.clone()));
@@ -195,6 +196,7 @@ mod tests {
             film.normal[i] = [x, -x, 1.0];
             film.position[i] = [x, -1000.0 * x, 1e6];
             film.uv[i] = [x, -x];
+            film.curvature[i] = [1.0 / (x - 0.5), 1e-9 * x];
             film.part[i] = i as u32 * 5_000_000;
             film.face[i] = u32::MAX - i as u32;
             film.matte[i][0] = Share { part: 1 + i as u32 % 2, coverage: x };
@@ -214,13 +216,16 @@ mod tests {
         let film = film();
         let expected = layered(&film, &names());
         let found = decode(&encode(&expected).expect("encoded")).expect("decoded");
-        assert_eq!(found.channels.len(), 4 + 3 + 3 + 3 + 2 + 1 + 2 + 1 + 1 + 12);
+        assert_eq!(found.channels.len(), 4 + 3 + 3 + 3 + 2 + 2 + 1 + 2 + 1 + 1 + 12);
         assert_eq!(found.attributes.len(), 4);
         assert!(found == expected);
         let channel = |name: &str| &found.channels.iter().find(|(n, _)| n == name).expect("a channel").1;
         assert!(*channel("depth.Z") == FlatSamples::F32(film.depth.clone()));
         assert!(*channel("id.face") == FlatSamples::U32(film.face.clone()));
         assert!(*channel("G") == FlatSamples::F16(film.color.iter().map(|c| f16::from_f32(c[1])).collect()));
+        assert!(
+            *channel("mean_curvature.V") == FlatSamples::F32(film.curvature.iter().map(|c| c[0]).collect())
+        );
         assert!(*channel("uv.V") == FlatSamples::F32(film.uv.iter().map(|uv| uv[1]).collect()));
     }
 

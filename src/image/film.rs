@@ -23,6 +23,14 @@ impl Window {
         Self { left: 0, top: 0, width, height }
     }
 
+    /// With so many pixels more on each side, as far as a picture of that size has them.
+    pub fn with_margin(&self, margin: usize, [width, height]: [usize; 2]) -> Self {
+        let (left, top) = (self.left.saturating_sub(margin), self.top.saturating_sub(margin));
+        let right = (self.left + self.width + margin).min(width);
+        let bottom = (self.top + self.height + margin).min(height);
+        Self { left, top, width: right - left, height: bottom - top }
+    }
+
     /// Whether it lies in a picture of that size and holds a pixel.
     pub fn is_within(&self, [width, height]: [usize; 2]) -> bool {
         let fits = |first: usize, length: usize, most: usize| {
@@ -40,6 +48,7 @@ pub struct Layers {
     pub normal: bool,
     pub position: bool,
     pub uv: bool,
+    pub curvature: bool,
     /// [`Film::part`] and [`Film::face`].
     pub ids: bool,
     pub albedo: bool,
@@ -53,13 +62,22 @@ impl Layers {
         normal: false,
         position: false,
         uv: false,
+        curvature: false,
         ids: false,
         albedo: false,
         matte: false,
     };
     /// All of them.
-    pub const ALL: Self =
-        Self { depth: true, normal: true, position: true, uv: true, ids: true, albedo: true, matte: true };
+    pub const ALL: Self = Self {
+        depth: true,
+        normal: true,
+        position: true,
+        uv: true,
+        curvature: true,
+        ids: true,
+        albedo: true,
+        matte: true,
+    };
     /// What tells which pixel shows what, and how far away.
     pub const PLAIN: Self = Self { depth: true, normal: true, ids: true, ..Self::NONE };
 
@@ -70,7 +88,7 @@ impl Layers {
 
     /// Whether any layer tells what is seen at the pixels' centres.
     pub fn has_centers(self) -> bool {
-        self.depth || self.normal || self.position || self.uv || self.ids
+        self.depth || self.normal || self.position || self.uv || self.curvature || self.ids
     }
 
     /// Whether any layer gathers what the samples show first.
@@ -100,6 +118,9 @@ pub struct Film {
     pub position: Vec<[f32; 3]>,
     /// The surface's own parameters at the pixel's centre, radians and millimetres; 0 where nothing is hit.
     pub uv: Vec<[f32; 2]>,
+    /// The surface's mean curvature at the pixel's centre, 1/mm, positive where it bulges towards the viewer, and its Gaussian curvature, 1/mm²; 0 where
+    /// nothing is hit.
+    pub curvature: Vec<[f32; 2]>,
     /// 1 + instance index; 0 where nothing is hit.
     pub part: Vec<u32>,
     /// 1 + face index; 0 where nothing is hit.
@@ -134,6 +155,7 @@ impl Film {
             normal: layer(layers.normal, [0.0; 3], pixels),
             position: layer(layers.position, [0.0; 3], pixels),
             uv: layer(layers.uv, [0.0; 2], pixels),
+            curvature: layer(layers.curvature, [0.0; 2], pixels),
             part: layer(layers.ids, 0, pixels),
             face: layer(layers.ids, 0, pixels),
             albedo: layer(layers.albedo, [0.0; 3], pixels),
@@ -146,10 +168,16 @@ impl Film {
     /// Draws the lines over everything, in one colour (sRGB).
     pub fn draw_lines(&mut self, srgb: [f32; 3]) {
         let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
-        for (color, &line) in self.color.iter_mut().zip(&self.lines) {
-            let [red, green, blue] = light;
+        let lines = std::mem::take(&mut self.lines);
+        self.lay_over(light, &lines);
+        self.lines = lines;
+    }
+
+    /// Covers a share of each pixel with a linear-light colour.
+    pub(super) fn lay_over(&mut self, [red, green, blue]: [f32; 3], covered: &[f32]) {
+        for (color, &share) in self.color.iter_mut().zip(covered) {
             for (channel, over) in color.iter_mut().zip([red, green, blue, 1.0]) {
-                *channel += (over - *channel) * line;
+                *channel += (over - *channel) * share;
             }
         }
     }
@@ -161,6 +189,7 @@ impl Film {
             normal: !other.normal.is_empty(),
             position: !other.position.is_empty(),
             uv: !other.uv.is_empty(),
+            curvature: !other.curvature.is_empty(),
             ids: !other.part.is_empty(),
             albedo: !other.albedo.is_empty(),
             matte: !other.matte.is_empty(),
@@ -175,6 +204,20 @@ impl Film {
     pub fn window(&self) -> Window {
         let [left, top] = self.corner;
         Window { left, top, width: self.width, height: self.height }
+    }
+
+    /// The part of this film that shows a window of the whole picture, with those of `layers` that it has, and what it has of lines and trim tests.
+    ///
+    /// # Panics
+    ///
+    /// Where the film does not show all of the window.
+    pub fn part(&self, window: Window, layers: Layers) -> Self {
+        let mut part = Self::of_window(window, self.whole, layers);
+        let pixels = part.color.len();
+        part.trim_tests = layer(!self.trim_tests.is_empty(), 0, pixels);
+        part.lines = layer(!self.lines.is_empty(), 0.0, pixels);
+        part.cut_from(self, window.left - self.corner[0], window.top - self.corner[1]);
+        part
     }
 
     /// Copies `other` into this film, its upper left pixel to column `left` of row `top`.
@@ -212,6 +255,7 @@ impl Film {
             copy(&mut self.normal, to, &other.normal, from.clone());
             copy(&mut self.position, to, &other.position, from.clone());
             copy(&mut self.uv, to, &other.uv, from.clone());
+            copy(&mut self.curvature, to, &other.curvature, from.clone());
             copy(&mut self.albedo, to, &other.albedo, from.clone());
             copy(&mut self.matte, to, &other.matte, from.clone());
             copy(&mut self.part, to, &other.part, from.clone());
@@ -257,6 +301,19 @@ mod tests {
         assert!(window.is_within([5, 5]) && !window.is_within([4, 5]) && !window.is_within([5, 4]));
         assert!(!Window { width: 0, ..window }.is_within([5, 5]));
         assert!(!Window { left: usize::MAX, ..window }.is_within([5, 5]));
+    }
+
+    #[test]
+    fn a_margin_ends_with_the_picture() {
+        let window = Window { left: 3, top: 10, width: 5, height: 4 };
+        let grown = Window { left: 0, top: 6, width: 12, height: 9 };
+        assert_eq!(window.with_margin(4, [20, 15]), grown);
+        let mut film = Film::of_window(grown, [20, 15], Layers::ALL);
+        film.lines = (0..108).map(|i| i as f32).collect();
+        film.depth = film.lines.clone();
+        let part = film.part(window, Layers::NONE);
+        assert_eq!((part.corner, part.whole, part.depth.len()), ([3, 10], [20, 15], 0));
+        assert_eq!((part.lines[0], part.lines[19]), (51.0, 91.0));
     }
 
     #[test]

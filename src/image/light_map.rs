@@ -109,7 +109,7 @@ fn invalid(format: &'static str, reason: String) -> ImageError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Film, write_exr};
+    use crate::image::{Film, encode_exr, write_file};
 
     /// A map of 2 by 1 pixels: light of 1, ½, 0 and of 8, 0, 0.
     const RADIANCE: &[u8] =
@@ -135,7 +135,7 @@ mod tests {
         let path = folder.path().join("a.exr");
         let mut film = Film::new(2, 1);
         film.color = vec![[1.0, 2.0, f32::NAN, 1.0], [-1.0, f32::INFINITY, 0.25, 1.0]];
-        write_exr(&path, &film, &[]).expect("written");
+        write_file(&path, &encode_exr(&film, &[]).expect("encoded")).expect("written");
         let map = LightMap::read(&path).expect("a map");
         assert_eq!(map.light, [[1.0, 2.0, 0.0], [0.0, BRIGHTEST, 0.25]]);
     }

@@ -48,6 +48,32 @@ fn views_are_files_or_cells_of_a_sheet() {
 }
 
 #[test]
+fn labels_name_views_where_they_are_asked_for() {
+    let bench = Bench::new();
+    let size = "--samples 2 --device cpu -q --resolution 200,120";
+    let render = |name: &str, flags: &str| {
+        bench.run(&format!("render cube.step -o {name} {size} {flags}")).expect(0);
+        read_png(&bench.path(name)).expect("a picture")
+    };
+    let (plain, named) = (render("a.png", "--view front,iso"), render("b.png", "--view front,iso --labels"));
+    let changed = |from: usize, to: usize| {
+        (0..plain.pixels.len())
+            .filter(|i| (from..to).contains(&(i % 400)) && plain.pixels[*i] != named.pixels[*i])
+            .collect::<Vec<_>>()
+    };
+    let (front, iso) = (changed(0, 200), changed(200, 400));
+    assert!(front.len() > iso.len() && iso.len() > 40, "{} {}", front.len(), iso.len());
+    assert!(front.iter().chain(&iso).all(|i| i % 200 < 100 && i / 400 < 24), "in the corner");
+    assert!(front.iter().any(|&i| named.pixels[i][..3].iter().all(|&code| code < 60)), "in dark ink");
+    let blue = "--view top --style blueprint --edges none";
+    let (plain, named) = (render("a.png", blue), render("b.png", &format!("{blue} --labels")));
+    let differs = |i: &usize| plain.pixels[*i] != named.pixels[*i];
+    let written: Vec<usize> = (0..plain.pixels.len()).filter(differs).collect();
+    assert!(written.iter().any(|&i| named.pixels[i][..3].iter().all(|&code| code > 200)), "in light ink");
+    assert!(bench.run("render cube.step -o a.png --labels").expect(2).stderr.contains("--view"));
+}
+
+#[test]
 fn the_camera_turns_as_f3d_turns_it() {
     let bench = Bench::new();
     let flat = "--camera-orthographic --no-ambient-occlusion";

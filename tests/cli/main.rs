@@ -6,6 +6,7 @@ mod kept;
 mod light;
 mod material;
 mod output;
+mod reference;
 mod section;
 mod selection;
 mod stages;

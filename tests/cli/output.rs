@@ -57,7 +57,7 @@ fn an_exr_file_has_the_layers_that_are_asked_for() {
     let all = render("all.exr", "--no-background --id-map map.json");
     let expected = "A B CryptoObject00.A CryptoObject00.B CryptoObject00.G CryptoObject00.R CryptoObject01.A \
         CryptoObject01.B CryptoObject01.G CryptoObject01.R CryptoObject02.A CryptoObject02.B CryptoObject02.G \
-        CryptoObject02.R G R albedo.B albedo.G albedo.R depth.Z id.face id.part normal.X normal.Y normal.Z \
+        CryptoObject02.R G R albedo.B albedo.G albedo.R depth.Z gaussian_curvature.V id.face id.part mean_curvature.V normal.X normal.Y normal.Z \
         position.X position.Y position.Z uv.U uv.V";
     assert_eq!(
         all.keys().map(String::as_str).collect::<Vec<_>>(),
@@ -101,6 +101,30 @@ fn an_exr_file_has_the_layers_that_are_asked_for() {
     }
     eprintln!("{covered} pixels of one part compared");
     assert!(covered > 300, "{covered}");
+}
+
+#[test]
+fn curvatures_are_those_of_the_surface() {
+    let bench = caster();
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/chain/model.step");
+    std::fs::copy(fixture, bench.path("chain.step")).expect("copied");
+    bench.run(&format!("render cube.step -o cube.exr {SMALL} --layers curvature")).expect(0);
+    let cube = channels(&bench.path("cube.exr"));
+    assert_eq!(cube.len(), 6, "{:?}", cube.keys());
+    assert!(cube["mean_curvature.V"].iter().all(|&mean| mean == 0.0), "a cube is flat");
+    bench.run(&format!("render chain.step -o chain.exr {SMALL} --layers curvature,id")).expect(0);
+    let chain = channels(&bench.path("chain.exr"));
+    let bent = (0..60 * 40).filter(|&pixel| chain["id.face"][pixel] > 0.0);
+    let (mut hollow, mut saddles, mut round) = (0, 0, 0);
+    for pixel in bent {
+        let [mean, gaussian] = ["mean", "gaussian"].map(|name| chain[&format!("{name}_curvature.V")][pixel]);
+        assert!(gaussian <= mean * mean * 1.0001, "{mean} {gaussian}");
+        hollow += usize::from(mean < 0.0);
+        saddles += usize::from(gaussian < 0.0);
+        round += usize::from(gaussian > 0.0);
+    }
+    eprintln!("{hollow} hollow, {saddles} saddles, {round} round");
+    assert!(hollow == 0 && saddles > 20 && round > 20, "{hollow} {saddles} {round}");
 }
 
 #[test]

@@ -69,6 +69,11 @@ fn nonsense_about_sections_is_refused() {
         ("--section x=1 --section-exclude Bolt*", "Bolt*"),
         (&"--section x=1 ".repeat(7), "6 planes"),
         ("--section x=1 --aov trim-tests", "--aov"),
+        ("--style technical --edges none --aov trim-tests", "--aov"),
+        ("--style blueprint --aov trim-tests", "--aov"),
+        ("--exposure 1 --aov trim-tests", "--aov"),
+        ("--tone-mapping agx --aov trim-tests", "--aov"),
+        ("--path-trace --aov trim-tests", "--aov"),
     ] {
         let outcome = bench.run(&format!("render cube.step -o a.png {flags}")).expect(2);
         assert!(outcome.stderr.contains(said), "{flags}: {}", outcome.stderr);

@@ -67,6 +67,34 @@ fn exr_files_have_a_layer_of_lines() {
 }
 
 #[test]
+fn merged_tiles_have_the_lines_of_the_whole() {
+    let bench = Bench::new();
+    for (extension, flags) in [
+        ("png", "--edges feature"),
+        ("png", "--edges all --edge-width 9 --hidden-lines dashed"),
+        ("exr", "--edges feature --section z=60% --hidden-lines dim --layers normal"),
+    ] {
+        let render = |name: &str, more: &str| {
+            let line = format!("render cube.step -o {name}.{extension} {SMALL} {flags} {more}");
+            bench.run(&line).expect(0);
+        };
+        let merged = |tiles: &str| {
+            bench.run(&format!("merge {tiles} -o merged.{extension}")).expect(0);
+            read(&bench.path(&format!("merged.{extension}")))
+        };
+        render("whole", "");
+        let whole = read(&bench.path(&format!("whole.{extension}")));
+        (1..=4).for_each(|tile| render(&format!("tile{tile}"), &format!("--tile {tile}/4")));
+        let tiles: Vec<String> = (1..=4).map(|tile| format!("tile{tile}.{extension}")).collect();
+        assert!(merged(&tiles.join(" ")) == whole, "{flags}");
+        for (name, part) in [("a", "0,0.43,0,0.5"), ("b", "0.43,1,0,0.5"), ("c", "0,1,0.5,1")] {
+            render(name, &format!("--cropwindow {part}"));
+        }
+        assert!(merged(&format!("a.{extension} b.{extension} c.{extension}")) == whole, "{flags}");
+    }
+}
+
+#[test]
 fn nonsense_about_lines_is_refused() {
     let bench = Bench::new();
     for (flags, said) in [

@@ -12,6 +12,7 @@ fn different(a: &Film, b: &Film, size: f64) -> usize {
         let shares = |film: &Film| film.matte[pixel].map(|share| share.part);
         near(&a.position[pixel], &b.position[pixel], 1e-3 * size)
             && near(&a.uv[pixel], &b.uv[pixel], 1e-2 * size)
+            && near(&a.curvature[pixel], &b.curvature[pixel], 1e-2)
             && near(&a.albedo[pixel], &b.albedo[pixel], 1e-3)
             && shares(a) == shares(b)
             && a.face[pixel] == b.face[pixel]

@@ -18,7 +18,7 @@ import OpenEXR
 LAYERS = {
     **{name: numpy.float16 for name in ("R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B")},
     **{f"{layer}.{axis}": numpy.float32 for layer in ("normal", "position") for axis in "XYZ"},
-    **{name: numpy.float32 for name in ("uv.U", "uv.V", "depth.Z")},
+    **{name: numpy.float32 for name in ("uv.U", "uv.V", "mean_curvature.V", "gaussian_curvature.V", "depth.Z")},
     **{name: numpy.uint32 for name in ("id.part", "id.face", "trim.tests")},
 }
 RANKS = 6

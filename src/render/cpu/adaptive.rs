@@ -12,6 +12,7 @@
 //! has there.
 
 use super::camera::pixel_ray;
+use super::curvature::{Place, curvature};
 use super::hit::surface_parameters;
 use super::occlusion::{REACH, Surface, smooth};
 use super::pixels::{
@@ -58,10 +59,7 @@ pub struct Centers<'a> {
 pub fn with_margin(options: &RenderOptions) -> Window {
     let whole = options.resolution.map(|n| n as usize);
     let Some(window) = options.window else { return Window::whole(whole[0], whole[1]) };
-    let (left, top) = (window.left.saturating_sub(MARGIN), window.top.saturating_sub(MARGIN));
-    let right = (window.left + window.width + MARGIN).min(whole[0]);
-    let bottom = (window.top + window.height + MARGIN).min(whole[1]);
-    Window { left, top, width: right - left, height: bottom - top }
+    window.with_margin(MARGIN, whole)
 }
 
 impl<'a> Centers<'a> {
@@ -86,6 +84,11 @@ impl<'a> Centers<'a> {
     /// Tells what pixels from index `first` on show; depths are made `behind` millimetres greater.
     pub fn put(&mut self, first: usize, centers: &[Center], behind: f64) {
         let layers = self.options.layers;
+        if layers.curvature {
+            let of_scene = |center| curvature_at(self.scene, center);
+            let found = self.film.curvature[first..].par_iter_mut();
+            found.zip(centers).for_each(|(found, center)| *found = of_scene(center));
+        }
         for (pixel, center) in (first..).zip(centers).filter(|(_, center)| center.instance != 0) {
             let film = &mut self.film;
             film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
@@ -134,6 +137,16 @@ impl<'a> Centers<'a> {
         film.cut_from(&self.film, left, top);
         film
     }
+}
+
+/// What the layer of curvatures has where a centre is; 0 where nothing is, and on caps.
+fn curvature_at(scene: &Scene<'_>, center: &Center) -> [f32; 2] {
+    if center.instance == 0 || center.flags & CAP != 0 {
+        return [0.0; 2];
+    }
+    let &Center { net, uv, normal, .. } = center;
+    let place = Place { instance: center.instance - 1, face: center.face - 1, net, uv, normal };
+    curvature(scene, &place).map(|x| x as f32)
 }
 
 /// The ray through the centre of a film's pixel.

@@ -16,6 +16,7 @@ pub(super) mod bvh;
 pub(super) mod camera;
 mod choice;
 pub(super) mod cover;
+pub(super) mod curvature;
 pub(super) mod environment;
 pub(super) mod footprint;
 pub(super) mod frames;

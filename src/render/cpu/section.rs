@@ -12,8 +12,8 @@ use super::ray_space::{Distance, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
 use super::trace::{RawHit, comes_before, first_hit, trace};
 use super::vector::Vector3;
-use crate::render::Exactness;
-use crate::render::section::{MAX_PLANES, Section};
+use crate::render::section::{MAX_PLANES, Section, SectionPlane};
+use crate::render::{Camera, Exactness};
 use crate::scene::{Face, Header, Instance, Scene};
 use glam::DVec3;
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -24,8 +24,13 @@ pub const MAX_SETTLED: usize = 16;
 /// The plane where an interval begins, if it is none.
 pub const NO_PLANE: u32 = u32::MAX;
 
-/// Distance of hatch lines, of the scene's radius.
+/// Distance of hatch lines, of the scene's radius, where all of it is in the picture: it goes by halves and doubles of that, so that it stays as it is while a
+/// camera turns.
 const HATCH_PITCH: f64 = 0.03;
+/// The distance that is wanted, of the picture's height …
+const HATCH_SHOWN: f64 = 1.0 / 48.0;
+/// … and at least, pixels: finer lines are no longer lines.
+const HATCH_FINEST: f64 = 9.0;
 /// The share of a cap that hatch lines take …
 pub const HATCH_SHARE: f32 = 0.16;
 /// … and of its light that they leave.
@@ -65,13 +70,13 @@ pub struct WorldSection {
 }
 
 impl WorldSection {
-    /// The section in the world space of a scene.
-    pub fn new(section: &Section, header: &Header) -> Self {
+    /// The section in the world space of a scene, hatched for a picture so many pixels high.
+    pub fn new(section: &Section, header: &Header, camera: &Camera, height: u32) -> Self {
         let mut world = Self { count: section.planes().len() as u32, caps: section.caps, ..Self::default() };
-        let pitch = scene_radius(header) * HATCH_PITCH;
         for (to, plane) in world.planes.iter_mut().zip(section.planes()) {
             let across = if plane.normal.z.abs() < 0.9 { DVec3::Z } else { DVec3::X };
             let x = plane.normal.cross(across).normalize_or_zero();
+            let pitch = hatch_pitch(plane, header, camera, height);
             let vector = |v: DVec3| Vector3::from_f64(v.to_array());
             to.normal = vector(plane.normal);
             to.offset = (plane.offset - plane.normal.dot(DVec3::from_array(header.world_anchor))) as f32;
@@ -80,6 +85,28 @@ impl WorldSection {
         }
         world
     }
+}
+
+/// The distance of hatch lines on a plane, millimetres, by how large the plane's place in the middle of the picture is seen, as on paper: whatever part of
+/// the model is looked at has some.
+fn hatch_pitch(plane: &SectionPlane, header: &Header, camera: &Camera, height: u32) -> f64 {
+    let radius = scene_radius(header);
+    let distance = if camera.orthographic {
+        1.0
+    } else {
+        let towards = plane.normal.dot(camera.forward);
+        let to_plane = (plane.offset - plane.normal.dot(camera.position)) / towards;
+        let to_center = (DVec3::from_array(header.world_anchor) - camera.position).dot(camera.forward);
+        // Planes seen edge on are met anywhere or nowhere.
+        let far = to_center + radius;
+        let nearest = (to_center - radius).max(1e-3 * radius);
+        if to_plane.is_finite() { to_plane.clamp(nearest, far.max(nearest)) } else { to_center.max(nearest) }
+    };
+    let shown = 2.0 * camera.half_height * distance;
+    let wanted = shown * HATCH_SHOWN.max(HATCH_FINEST / f64::from(height));
+    let plain = radius * HATCH_PITCH;
+    let doublings = (wanted / plain).log2().round();
+    plain * if doublings.is_finite() { doublings.clamp(-16.0, 16.0).exp2() } else { 1.0 }
 }
 
 /// The kept interval of a ray; empty where it leaves before it enters.
@@ -242,4 +269,40 @@ pub fn hatch_place(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f3
 pub fn hatch(plane: &WorldPlane, point: Vector3<f32>, instance: u32) -> f32 {
     let across = hatch_place(plane, point, instance);
     if across - across.floor() < HATCH_SHARE { HATCH_LIGHT } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hatch_lines_are_as_far_apart_as_the_picture_needs() {
+        let header = Header { half_size: [60.0, 80.0, 0.0], ..Header::default() };
+        let plane = SectionPlane { normal: DVec3::X, offset: 5.0 };
+        let camera = Camera {
+            position: DVec3::X * 105.0,
+            forward: DVec3::NEG_X,
+            right: DVec3::Y,
+            up: DVec3::Z,
+            half_height: 1.0,
+            orthographic: false,
+        };
+        let pitch = |camera: &Camera, height: u32| hatch_pitch(&plane, &header, camera, height);
+        let whole = pitch(&camera, 1000);
+        assert!((whole / (scene_radius(&header) * HATCH_PITCH) - 1.0).abs() < 1e-12, "{whole}");
+        // A hundredth of the view, and a hundredth of the distance.
+        let near = Camera { position: DVec3::X * 6.0, ..camera };
+        let narrow = Camera { half_height: 0.01, ..camera };
+        for close in [&near, &narrow] {
+            assert!((whole / pitch(close, 1000) - 64.0).abs() < 1e-9, "{}", pitch(close, 1000));
+        }
+        let parallel = Camera { half_height: 1.0, orthographic: true, ..camera };
+        assert_eq!(pitch(&parallel, 1000), pitch(&near, 1000));
+        for height in [20, 60, 200, 3000] {
+            let shown = pitch(&camera, height) / 200.0 * f64::from(height);
+            assert!(shown > HATCH_FINEST / 1.5, "{shown} of {height} pixels");
+        }
+        let edge_on = Camera { forward: DVec3::Y, ..camera };
+        assert!(pitch(&edge_on, 1000).is_finite() && pitch(&edge_on, 1000) > 0.0);
+    }
 }

@@ -57,8 +57,9 @@ pub struct Shading<'a, 's> {
 impl<'a, 's> Shading<'a, 's> {
     /// Of a scene as a camera sees it.
     pub fn new(scene: &'a Scene<'s>, camera: &Camera, options: &'a RenderOptions) -> Self {
-        let section =
-            (!options.section.is_empty()).then(|| WorldSection::new(&options.section, scene.header));
+        let height = options.resolution[1];
+        let section = (!options.section.is_empty())
+            .then(|| WorldSection::new(&options.section, scene.header, camera, height));
         Self { scene, lights: Lights::from_camera(camera), options, section }
     }
 

@@ -74,9 +74,10 @@ impl Gpu {
         let found_ground = paths.world_ground(camera, header);
         let ground = found_ground.as_ref().map(|(ground, _)| ground);
         let [map_x, map_y, map_z] = paths.map_axes(camera).map(|axis| axis.as_vec3().to_array());
+        let section = WorldSection::new(&options.section, header, camera, options.resolution[1]);
         let parameters = PathParameters {
             camera: placed,
-            section: gpu_section(&WorldSection::new(&options.section, header)),
+            section: gpu_section(&section),
             map_x,
             map_width: map.width as u32,
             map_y,

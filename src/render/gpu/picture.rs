@@ -184,7 +184,9 @@ impl Shot<'_> {
 
     fn parameters(&self) -> RenderParameters {
         let lights = gpu_lights(&shade::Lights::from_camera(self.camera), self.options);
-        let section = gpu_section(&WorldSection::new(&self.options.section, self.scene.scene.header));
+        let RenderOptions { section, resolution, .. } = self.options;
+        let section = WorldSection::new(section, self.scene.scene.header, self.camera, resolution[1]);
+        let section = gpu_section(&section);
         RenderParameters { camera: self.placed, lights, section, samples: 1, ..RenderParameters::zeroed() }
     }
 

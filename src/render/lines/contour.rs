@@ -66,16 +66,16 @@ fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> f64 {
     if pixels > LEAST_JUMP { pixels } else { 0.0 }
 }
 
-/// The contours of the picture that no drawn edge shows.
+/// The contours of what a film shows that no drawn edge shows.
 pub(super) fn contours<E>(
     screen: &Screen<'_>,
     film: &Film,
     near: &Near,
     first_hits: &mut FirstHits<'_, E>,
 ) -> Result<Vec<Ends>, E> {
-    let [width, height] = screen.size();
+    let Film { width, height, corner: [left, top], .. } = *film;
     let sight = |x: usize, y: usize| {
-        let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let at = DVec2::new((left + x) as f64 + 0.5, (top + y) as f64 + 0.5);
         let ray = screen.ray(at);
         let pixel = y * width + x;
         let hit = (film.part[pixel] != 0).then(|| {

@@ -5,7 +5,7 @@ use super::stroke::Near;
 use glam::DVec2;
 
 /// How far, pixels, a contour that runs out may end before an edge that it runs into: the jump beside it is too little to be seen.
-const TO_EDGE: f64 = 2.5;
+pub(super) const TO_EDGE: f64 = 2.5;
 
 /// A place on a side of a cell where something ends.
 #[derive(Debug, Clone, Copy, PartialEq)]

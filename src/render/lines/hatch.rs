@@ -21,14 +21,15 @@ pub(super) fn add_hatches(
     width: f64,
     mask: &mut Mask,
 ) {
-    let world = WorldSection::new(section, scene.header);
+    let world = WorldSection::new(section, scene.header, screen.camera(), screen.size()[1] as u32);
     let anchor = DVec3::from_array(scene.header.world_anchor);
     for pixel in 0..film.part.len() {
         if film.part[pixel] == 0 || film.face[pixel] != 0 {
             continue;
         }
         let instance = film.part[pixel] - 1;
-        let center = DVec2::new((pixel % film.width) as f64 + 0.5, (pixel / film.width) as f64 + 0.5);
+        let [x, y] = [film.corner[0] + pixel % film.width, film.corner[1] + pixel / film.width];
+        let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let ray = screen.ray(center);
         let point = ray.origin + ray.direction * (f64::from(film.depth[pixel]) / screen.depth_of(&ray));
         let off = |k: usize| (section.planes()[k].normal.dot(point) - section.planes()[k].offset).abs();

@@ -72,7 +72,13 @@ const DASHES: [f64; 2] = [4.0, 3.0];
 /// Answers rays with the first hit of each, if any; where there is a section, with all that is met in it: a device.
 pub type FirstHits<'a, E> = dyn FnMut(&[Ray]) -> Result<Vec<Vec<Hit>>, E> + 'a;
 
-/// What the lines of a scene cover of each pixel of `film`, which shows the scene from `camera`; 0 to 1, top row first.
+/// How far, in pixels, what lines cover of a pixel depends on what others show: as far as a line is wide, and the contour that it is may have ended at an edge
+/// beyond. A part of a picture that is rendered with such a border has the lines of the whole picture, to the bit.
+pub fn margin(options: &LineOptions) -> usize {
+    (0.5 * options.width + 2.0 * contour_cells::TO_EDGE).ceil() as usize + 8
+}
+
+/// What the lines of a scene cover of each pixel of `film`, which shows the scene, or part of the picture of it, from `camera`; 0 to 1, top row first.
 ///
 /// # Errors
 ///
@@ -85,9 +91,9 @@ pub fn line_coverage<E>(
     film: &Film,
     first_hits: &mut FirstHits<'_, E>,
 ) -> Result<Vec<f32>, E> {
-    let screen = Screen::new(camera, [film.width, film.height]);
-    let mut mask = Mask::new(film.width, film.height);
-    let mut near = Near::new(film.width, film.height);
+    let screen = Screen::of_film(camera, film);
+    let mut mask = Mask::new(film.window());
+    let mut near = Near::new(film.window());
     let mut steps = steps::steps(scene, &screen, options);
     let margin = visibility::rounding(scene);
     steps.retain(|step| {
@@ -110,7 +116,7 @@ pub fn line_coverage<E>(
         hatch::add_hatches(scene, section, &screen, film, HIDDEN_WIDTH * options.width, &mut mask);
     }
     if options.hidden != HiddenLines::Off {
-        let mut hidden = Mask::new(film.width, film.height);
+        let mut hidden = Mask::new(film.window());
         for (step, _) in steps.iter().zip(&visible).filter(|(_, visible)| !**visible) {
             if options.hidden == HiddenLines::Dim || is_dash(step.along, options.width) {
                 hidden.add(step.ends, HIDDEN_WIDTH * options.width);

@@ -1,22 +1,34 @@
 //! The picture plane: points of the model to pixels, and back to rays.
 
+use crate::image::{Film, Window};
 use crate::render::cpu::pixel_ray;
 use crate::render::{Camera, Ray};
 use glam::{DVec2, DVec3};
 
-/// A camera and a picture.
+/// A camera and a picture, and the part of it that is drawn. Places are those of the whole picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Screen<'a> {
     camera: &'a Camera,
     size: [usize; 2],
+    window: Window,
 }
 
 impl<'a> Screen<'a> {
-    pub(super) fn new(camera: &'a Camera, size: [usize; 2]) -> Self {
-        Self { camera, size }
+    /// The picture that a film shows all or part of.
+    pub(super) fn of_film(camera: &'a Camera, film: &Film) -> Self {
+        Self { camera, size: film.whole, window: film.window() }
     }
 
-    /// Pixels across and down.
+    pub(super) fn camera(&self) -> &Camera {
+        self.camera
+    }
+
+    /// The part that is drawn.
+    pub(super) fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Pixels across and down of the whole.
     pub(super) fn size(&self) -> [usize; 2] {
         self.size
     }

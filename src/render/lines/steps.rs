@@ -2,6 +2,7 @@
 
 use super::screen::Screen;
 use super::{EdgeChoice, Ends, LineOptions};
+use crate::image::Window;
 use crate::scene::{EdgeKind, EdgePiece, NO_FACE, Scene};
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -34,7 +35,7 @@ pub(super) struct Step {
 /// A piece of an edge in model space: homogeneous control points.
 type Piece = SmallVec<[DVec4; 26]>;
 
-/// The steps of all edges that are asked for and in the picture, in order.
+/// The steps of all edges that are asked for and in what is drawn, in order.
 pub(super) fn steps(scene: &Scene<'_>, screen: &Screen<'_>, options: &LineOptions) -> Vec<Step> {
     let is_wanted = |piece: &&EdgePiece| match options.edges {
         EdgeChoice::None => false,
@@ -138,7 +139,7 @@ fn flatten(screen: &Screen<'_>, curve: &Piece, slack: f64, along: &mut f64, step
     }
 }
 
-/// Cuts a flat stretch into steps; those outside of the picture are left out.
+/// Cuts a flat stretch into steps; those outside of what is drawn are left out.
 fn stretch(
     screen: &Screen<'_>,
     curve: &Piece,
@@ -167,16 +168,17 @@ fn stretch(
     *along += length.length();
 }
 
-/// How far beyond the picture's border lines may still reach into it, pixels.
+/// How far beyond the border of what is drawn lines may still reach into it, pixels.
 const MARGIN: f64 = 64.0;
 
-/// The first and last of `count` steps of a stretch that may be in the picture; an edge may be a billion pixels long.
+/// The first and last of `count` steps of a stretch that may be in what is drawn; an edge may be a billion pixels long. Steps do not depend on what is drawn.
 fn shown(screen: &Screen<'_>, start: DVec2, length: DVec2, count: f64) -> (f64, f64) {
-    let size = screen.size();
+    let Window { left, top, width, height } = screen.window();
+    let borders = [[left, left + width], [top, top + height]];
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..2 {
-        let [low, high] =
-            [-MARGIN, size[axis] as f64 + MARGIN].map(|border| (border - start[axis]) / length[axis]);
+        let [low, high] = [borders[axis][0] as f64 - MARGIN, borders[axis][1] as f64 + MARGIN]
+            .map(|border| (border - start[axis]) / length[axis]);
         if length[axis] != 0.0 {
             enter = enter.max(low.min(high));
             leave = leave.min(low.max(high));

@@ -5,30 +5,31 @@
 
 use super::Ends;
 use super::steps::distance_to;
+use crate::image::Window;
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// What lines cover of each pixel.
+/// What lines cover of each pixel of a part of the picture.
 pub(super) struct Mask {
-    width: usize,
-    height: usize,
+    window: Window,
     coverage: Vec<f32>,
 }
 
 impl Mask {
-    pub(super) fn new(width: usize, height: usize) -> Self {
-        Self { width, height, coverage: vec![0.0; width * height] }
+    pub(super) fn new(window: Window) -> Self {
+        Self { window, coverage: vec![0.0; window.width * window.height] }
     }
 
     /// Draws a straight piece with round ends.
     pub(super) fn add(&mut self, ends: Ends, width: f64) {
-        for (x, y) in pixels_near(ends, 0.5 * width + 0.5, [self.width, self.height]) {
+        for (x, y) in pixels_near(ends, 0.5 * width + 0.5, self.window) {
             let distance = distance_to(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), ends);
-            self.cover(y * self.width + x, box_coverage(distance, width) as f32);
+            let pixel = (y - self.window.top) * self.window.width + (x - self.window.left);
+            self.cover(pixel, box_coverage(distance, width) as f32);
         }
     }
 
-    /// Covers a pixel at least so much.
+    /// Covers a pixel, by its index in the part, at least so much.
     pub(super) fn cover(&mut self, pixel: usize, covered: f32) {
         self.coverage[pixel] = self.coverage[pixel].max(covered);
     }
@@ -51,41 +52,44 @@ pub(super) fn box_coverage(distance: f64, width: f64) -> f64 {
     ((distance + half).min(0.5) - (distance - half).max(-0.5)).max(0.0)
 }
 
-/// The pixels whose centres may be within `reach` of a straight piece.
-fn pixels_near(ends: Ends, reach: f64, [width, height]: [usize; 2]) -> impl Iterator<Item = (usize, usize)> {
+/// The pixels of a part of the picture whose centres may be within `reach` of a straight piece.
+fn pixels_near(ends: Ends, reach: f64, window: Window) -> impl Iterator<Item = (usize, usize)> {
     let [low, high] = [ends[0].min(ends[1]) - reach - 0.5, ends[0].max(ends[1]) + reach + 0.5];
     // Casts of floats hold to the range of the integers.
-    let across = low.x.floor().max(0.0) as usize..(high.x.ceil() as usize).min(width);
-    let down = low.y.floor().max(0.0) as usize..(high.y.ceil() as usize).min(height);
+    let within = |low: f64, high: f64, first: usize, count: usize| {
+        (low.floor().max(0.0) as usize).max(first)..(high.ceil() as usize).min(first + count)
+    };
+    let across = within(low.x, high.x, window.left, window.width);
+    let down = within(low.y, high.y, window.top, window.height);
     down.flat_map(move |y| across.clone().map(move |x| (x, y)))
 }
 
-/// Finds drawn pieces near a place.
+/// Finds drawn pieces near a place of a part of the picture.
 pub(super) struct Near {
-    width: usize,
-    height: usize,
-    /// For each pixel the pieces whose middles are in it.
-    cells: HashMap<usize, Vec<Ends>>,
+    window: Window,
+    /// For each pixel, by column and row, the pieces whose middles are in it.
+    cells: HashMap<(usize, usize), Vec<Ends>>,
 }
 
 impl Near {
-    pub(super) fn new(width: usize, height: usize) -> Self {
-        Self { width, height, cells: HashMap::new() }
+    pub(super) fn new(window: Window) -> Self {
+        Self { window, cells: HashMap::new() }
     }
 
     /// Notes a piece, which is at most a pixel long.
     pub(super) fn add(&mut self, ends: Ends) {
         let middle = 0.5 * (ends[0] + ends[1]);
-        let (x, y) = (middle.x.floor(), middle.y.floor());
-        if x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64 {
-            self.cells.entry(y as usize * self.width + x as usize).or_default().push(ends);
+        for pixel in pixels_near([middle; 2], 0.0, self.window) {
+            if [middle.x, middle.y].map(f64::floor) == [pixel.0 as f64, pixel.1 as f64] {
+                self.cells.entry(pixel).or_default().push(ends);
+            }
         }
     }
 
     /// The place on noted pieces nearest to `place`, within `reach`.
     pub(super) fn nearest(&self, place: DVec2, reach: f64) -> Option<DVec2> {
-        let around = pixels_near([place; 2], reach + 0.5, [self.width, self.height]);
-        let pieces = around.filter_map(|(x, y)| self.cells.get(&(y * self.width + x))).flatten();
+        let around = pixels_near([place; 2], reach + 0.5, self.window);
+        let pieces = around.filter_map(|pixel| self.cells.get(&pixel)).flatten();
         let places = pieces.map(|&[a, b]| {
             let along = b - a;
             let share = (place - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);

@@ -7,6 +7,7 @@ use super::*;
 use crate::bake::{BakeOptions, bake};
 use crate::brep::{Body, BodyKind, Model, Part, primitive};
 use crate::geometry::Frame;
+use crate::image::Window;
 use crate::render::cpu::{self, Precision};
 use crate::render::{RenderOptions, Viewpoint};
 use crate::scene::{EdgeKind, SceneBuffers};
@@ -43,7 +44,7 @@ fn first_hits(scene: &Scene<'_>, rays: &[Ray]) -> Result<Vec<Vec<Hit>>, Infallib
 
 /// The image's length of the steps that are visible, and of all.
 fn lengths(scene: &Scene<'_>, camera: &Camera, edges: EdgeChoice) -> [f64; 2] {
-    let screen = Screen::new(camera, SIZE.map(|n| n as usize));
+    let screen = Screen::of_film(camera, &Film::new(SIZE[0] as usize, SIZE[1] as usize));
     let steps = steps(scene, &screen, &options(edges));
     let visible =
         visible(scene, &screen, &steps, &mut |rays| first_hits(scene, rays)).expect("no device fails");
@@ -88,11 +89,11 @@ fn a_cylinder_shows_two_circles_and_two_silhouettes_and_no_seam() {
     let [seen, all] = lengths(&scene, &camera, EdgeChoice::Feature);
     assert!((seen / all - 0.75).abs() < 0.02, "{seen} of {all}");
 
-    let screen = Screen::new(&camera, SIZE.map(|n| n as usize));
     let render = RenderOptions { resolution: SIZE, samples: 1, ..RenderOptions::default() };
     let film = cpu::render(&scene, &camera, &render, &|_, _| {});
+    let screen = Screen::of_film(&camera, &film);
     let near = |edges| {
-        let mut near = Near::new(film.width, film.height);
+        let mut near = Near::new(film.window());
         let steps = steps(&scene, &screen, &options(edges));
         let seen =
             visible(&scene, &screen, &steps, &mut |rays| first_hits(&scene, rays)).expect("no device fails");
@@ -117,7 +118,7 @@ fn a_straight_line_covers_its_area() {
     for line_width in [0.3, 0.7, 1.0, 1.5, 4.0] {
         for ends in [[10.3, 20.7, 180.1, 20.7], [10.0, 5.0, 150.0, 110.0], [33.3, 4.0, 41.0, 101.0]] {
             let [a, b] = [DVec2::new(ends[0], ends[1]), DVec2::new(ends[2], ends[3])];
-            let mut mask = Mask::new(width, height);
+            let mut mask = Mask::new(Window::whole(width, height));
             // As edges are: in steps of half a pixel, which share their ends.
             let count = (a.distance(b) / 0.5).ceil() as usize;
             let at = |i: usize| a.lerp(b, i as f64 / count as f64);
