@@ -21,6 +21,10 @@ const MOST_LEAVES: [usize; 2] = [16, 4096];
 /// Control points that the leaves of all nets may have together, each of its own patch: some seconds of work.
 const MOST_POINTS: usize = 1 << 28;
 
+/// Halvings towards a side that is short beside the one across from it, or one point: whatever its distortion, a leaf that reaches there has few rays whose
+/// root is certified to be its only one, and the fewer rays meet it the better.
+const TAPER_LEVEL: u8 = 3;
+
 /// Leaves smaller than this share of the face are not split: they are at poles.
 const MIN_SIZE: f64 = 1.0 / 4096.0;
 
@@ -129,11 +133,13 @@ pub(super) fn leaves(
         }
     }
     while let Some(leaf) = splitting.pop() {
-        let fits = leaf.fit.distortion <= distortion || leaf.fit.size <= face_size * MIN_SIZE;
-        let axis = if leaf.level[leaf.fit.split_axis] < MAX_LEVEL {
-            leaf.fit.split_axis
-        } else {
-            1 - leaf.fit.split_axis
+        let taper = slab::taper_axis(&leaf.patch).filter(|&axis| leaf.level[axis] < TAPER_LEVEL);
+        let fits =
+            leaf.fit.distortion <= distortion && taper.is_none() || leaf.fit.size <= face_size * MIN_SIZE;
+        let axis = match taper {
+            Some(axis) => axis,
+            None if leaf.level[leaf.fit.split_axis] < MAX_LEVEL => leaf.fit.split_axis,
+            None => 1 - leaf.fit.split_axis,
         };
         let is_full = splitting.len() + done.len() + 2 > max_leaves;
         if fits || is_full || leaf.level[axis] >= MAX_LEVEL {

@@ -234,3 +234,23 @@ fn a_net_that_closes_in_one_span_is_split_around() {
     let patch = crate::geometry::BezierPatch { degrees: [1, 6], points };
     assert_eq!(super::slab::fit(&patch).split_axis, 1);
 }
+
+/// A cone as one net, its apex along v = 1 (or a ring of a thousandth there): nearly flat leaves, and yet only those of the last eighth reach the apex.
+#[test]
+fn leaves_are_short_where_a_net_tapers() {
+    for tip in [0.0, 1e-3] {
+        let arc = [(1.0, 0.0, 1.0), (1.0, 0.3, 0.96), (0.83, 0.55, 1.0)];
+        let cone = surface([2, 1], [3, 2], |i, j| {
+            let (c, s, w) = arc[i];
+            let radius = [1.0, tip][j];
+            Homogeneous::new(DVec3::new(radius * c, radius * s, 2.0 * j as f64), w)
+        });
+        let (nets, origin, outline) = baked(&cone, Vec::new());
+        check_leaves(&cone, &nets, origin, outline.window);
+        let at_tip = nets.leaves.iter().filter(|leaf| {
+            let (low, level) = (leaf.domain >> 16 & 0xfff, leaf.domain >> 28);
+            low + 1 == 1 << level
+        });
+        assert!(at_tip.clone().count() > 0 && at_tip.clone().all(|leaf| leaf.domain >> 28 == 3), "{tip}");
+    }
+}

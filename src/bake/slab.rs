@@ -19,6 +19,10 @@ const MIN_SINE: f64 = 1.0 / 64.0;
 /// A side this much shorter than the opposite one is a pole: splitting does not make the patch more regular.
 const POLE_RATIO: f64 = 1.0 / 64.0;
 
+/// A side this much shorter than the opposite one leaves few rays whose root is certified to be the only one: the tangents differ too much. Halves of a patch
+/// that ends in a point are wider than this, but for the one at the point.
+const TAPER: f64 = 1.0 / 3.0;
+
 /// Weights in one leaf may differ by this factor.
 const MAX_WEIGHT_RATIO: f64 = 4.0;
 
@@ -69,6 +73,11 @@ pub(super) fn point_sides(patch: &BezierPatch) -> u32 {
         .fold(0, |sides, (axis, end)| sides | point_side(axis, end))
 }
 
+/// The parameter along which a patch tapers to less than a third of its width, if there is one.
+pub(super) fn taper_axis(patch: &BezierPatch) -> Option<usize> {
+    narrowing_axis(patch, &points(patch), TAPER)
+}
+
 /// Fits the frame of mean tangents.
 pub(super) fn fit(patch: &BezierPatch) -> Fit {
     let [p, q] = patch.degrees;
@@ -101,7 +110,7 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         * (p * q) as f64
         * 0.25;
     let mut split_axis = usize::from(bend_v > bend_u);
-    let pole = pole_axis(patch, &cartesian);
+    let pole = narrowing_axis(patch, &cartesian, POLE_RATIO);
     let longer = || usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
     if pole.is_none() && twist > bend_u.max(bend_v) {
         split_axis = longer();
@@ -152,8 +161,8 @@ fn polygon_length(patch: &BezierPatch, cartesian: &[DVec3], axis: usize) -> f64 
     total / (patch.degrees[1 - axis] + 1) as f64
 }
 
-/// The axis that leads to a pole: 0 where a side u = const is a point.
-fn pole_axis(patch: &BezierPatch, cartesian: &[DVec3]) -> Option<usize> {
+/// The axis along which one side is at most `ratio` times as long as the one across from it: 0 where that is a side u = const.
+fn narrowing_axis(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> Option<usize> {
     let [p, q] = patch.degrees;
     let side = |axis: usize, last: bool| {
         let fixed = if last { patch.degrees[axis] } else { 0 };
@@ -166,7 +175,7 @@ fn pole_axis(patch: &BezierPatch, cartesian: &[DVec3]) -> Option<usize> {
     debug_assert_eq!(cartesian.len(), (p + 1) * (q + 1));
     (0..2).find(|&axis| {
         let (first, last) = (side(axis, false), side(axis, true));
-        first.min(last) <= POLE_RATIO * first.max(last)
+        first.min(last) <= ratio * first.max(last)
     })
 }
 
