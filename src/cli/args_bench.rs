@@ -159,7 +159,7 @@ pub(super) struct BenchLeaks {
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
-    /// Numbers to compute with [default: both].
+    /// Numbers to compute with; both, one after the other, where it is left out.
     #[arg(long, value_enum)]
     pub(super) precision: Option<PrecisionChoice>,
     /// Print so many odd rays of each kind, as lines that `probe --rays` reads.
@@ -192,7 +192,7 @@ pub(super) struct BenchStress {
     /// Only the scenes whose names begin so.
     #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
     pub(super) only: String,
-    /// Numbers to compute with [default: both].
+    /// Numbers to compute with; both, one after the other, where it is left out.
     #[arg(long, value_enum)]
     pub(super) precision: Option<PrecisionChoice>,
     /// One JSON object a line, with the first ray that went wrong.
