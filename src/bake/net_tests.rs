@@ -211,7 +211,9 @@ fn degenerate_surfaces_do_not_fail() {
     let heavy = surface([3, 3], [4, 4], |i, j| {
         Homogeneous::new(DVec3::new(i as f64, j as f64, 0.0), if i == 1 { 1e6 } else { 1e-6 })
     });
-    for (index, surface) in [flat, point, folded, heavy].iter().enumerate() {
+    // Tangents that are parallel but for roundings.
+    let line = surface([1, 1], [2, 2], |i, j| DVec4::new([[0.0, 0.7], [3.1, 7.3]][i][j], 0.0, 0.0, 1.0));
+    for (index, surface) in [flat, point, folded, heavy, line].iter().enumerate() {
         let (nets, origin, outline) = baked(surface, vec![]);
         assert!(nets.leaves.len() <= 4096);
         eprintln!("{index}: {} leaves", nets.leaves.len());

@@ -16,6 +16,9 @@ use glam::{DMat3, DVec3};
 const MIN_TANGENT: f64 = 1.0 / 4096.0;
 const MIN_SINE: f64 = 1.0 / 64.0;
 
+/// Tangents whose sine is below this are parallel.
+const PARALLEL: f64 = 1e-12;
+
 /// A side this much shorter than the opposite one is a pole: splitting does not make the patch more regular.
 const POLE_RATIO: f64 = 1.0 / 64.0;
 
@@ -73,9 +76,9 @@ pub(super) fn point_sides(patch: &BezierPatch) -> u32 {
         .fold(0, |sides, (axis, end)| sides | point_side(axis, end))
 }
 
-/// The parameter along which a patch tapers to less than a third of its width, if there is one.
-pub(super) fn taper_axis(patch: &BezierPatch) -> Option<usize> {
-    narrowing_axis(patch, &points(patch), TAPER)
+/// Whether, along u and along v, a patch tapers to less than a third of its width.
+pub(super) fn tapers(patch: &BezierPatch) -> [bool; 2] {
+    narrows(patch, &points(patch), TAPER)
 }
 
 /// Fits the frame of mean tangents.
@@ -110,7 +113,7 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         * (p * q) as f64
         * 0.25;
     let mut split_axis = usize::from(bend_v > bend_u);
-    let pole = narrowing_axis(patch, &cartesian, POLE_RATIO);
+    let pole = narrows(patch, &cartesian, POLE_RATIO).iter().position(|&narrows| narrows);
     let longer = || usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
     if pole.is_none() && twist > bend_u.max(bend_v) {
         split_axis = longer();
@@ -161,8 +164,8 @@ fn polygon_length(patch: &BezierPatch, cartesian: &[DVec3], axis: usize) -> f64 
     total / (patch.degrees[1 - axis] + 1) as f64
 }
 
-/// The axis along which one side is at most `ratio` times as long as the one across from it: 0 where that is a side u = const.
-fn narrowing_axis(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> Option<usize> {
+/// Whether, along u and along v, one side is at most `ratio` times as long as the one across from it.
+fn narrows(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> [bool; 2] {
     let [p, q] = patch.degrees;
     let side = |axis: usize, last: bool| {
         let fixed = if last { patch.degrees[axis] } else { 0 };
@@ -173,7 +176,7 @@ fn narrowing_axis(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> Optio
         (1..=along).map(|k| at(k).distance(at(k - 1))).sum::<f64>()
     };
     debug_assert_eq!(cartesian.len(), (p + 1) * (q + 1));
-    (0..2).find(|&axis| {
+    [0, 1].map(|axis| {
         let (first, last) = (side(axis, false), side(axis, true));
         first.min(last) <= ratio * first.max(last)
     })
@@ -199,6 +202,9 @@ fn stand_in(mean_u: DVec3, mean_v: DVec3, size: f64) -> [DVec3; 2] {
     let other = if mean_u.length() >= mean_v.length() { mean_v } else { mean_u };
     let first = longest.try_normalize().unwrap_or(DVec3::X);
     let across = other - first * other.dot(first);
+    // What roundings leave of parallel tangents has any direction, along the first too.
+    let is_rounding = across.length() <= other.length() * PARALLEL;
+    let across = if is_rounding { first.any_orthonormal_vector() } else { across };
     let second = across.try_normalize().unwrap_or_else(|| first.any_orthonormal_vector());
     // A patch that is a point still needs a frame that single precision can invert.
     let length = size.max(1e-9);

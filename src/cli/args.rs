@@ -300,7 +300,7 @@ pub(super) enum ExactnessChoice {
     Fast,
     /// Two searches: of a million rays up to 200 hits are lost; up to 1.3 times the time of fast.
     Balanced,
-    /// A certified search: only hits that nearly coincide, and hits at poles, may be lost; 1 to 1.25 times the time of fast, at worst 1.7.
+    /// A certified search: only hits that nearly coincide, and hits at poles, may be lost; 1 to 1.5 times the time of fast, more for rays past the pole of a patch.
     Exact,
 }
 

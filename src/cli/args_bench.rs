@@ -80,8 +80,8 @@ pub(super) struct BenchStages {
 
 /// Hits of the CPU tracer against an f64 reference that subdivides every net: missed and made-up hits, errors, time per ray.
 ///
-/// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size would change its hits;
-/// only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
+/// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size, or twice the gap of its edges, would
+/// change its hits, and unless it has an odd number of them itself on closed bodies (`bench leaks` counts those); only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
 /// compares with the model's f64 numbers, so that the baking counts too. Errors of distance are relative to the size of the net or face piece
 /// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; angles are in radians.
 #[derive(Debug, Args)]

@@ -125,19 +125,22 @@ fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> 
 /// of a fold may be between them.
 fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>) -> T) -> Vec<bool> {
     let mut stays = vec![true; crossings.len()];
-    for index in 1..crossings.len() {
+    let slacks: Vec<T> = crossings.iter().map(slack).collect();
+    let widest = slacks.iter().fold(T::ZERO, |widest, &slack| widest.max(slack));
+    let mut staying: Vec<usize> = Vec::with_capacity(crossings.len());
+    for index in 0..crossings.len() {
         let own = &crossings[index];
-        for before in (0..index).rev() {
+        for &before in staying.iter().rev() {
             let other = &crossings[before];
             let apart = own.hit.distance.minus(other.hit.distance);
-            let reach = (slack(own) + slack(other)) * number(2.0);
             // No pair is farther apart than this.
-            if apart * number(GRAZING) > reach {
+            if apart * number(GRAZING) > (slacks[index] + widest) * number(2.0) {
                 break;
             }
+            let reach = (slacks[index] + slacks[before]) * number(2.0);
             let steepness = own.facing.abs().min(other.facing.abs()).max(number(GRAZING));
             let is_same = (own.facing < T::ZERO) == (other.facing < T::ZERO) && apart * steepness <= reach;
-            if !is_same || !stays[before] || own.hit.is_certain && other.hit.is_certain {
+            if !is_same || own.hit.is_certain && other.hit.is_certain {
                 continue;
             }
             if own.hit.is_certain {
@@ -146,6 +149,12 @@ fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>
                 stays[index] = false;
                 break;
             }
+        }
+        if own.hit.is_certain {
+            staying.retain(|&before| stays[before]);
+        }
+        if stays[index] {
+            staying.push(index);
         }
     }
     stays
@@ -208,5 +217,17 @@ mod tests {
         );
         assert_eq!(stays(&[(-1.0, false), (-1.0, true), (-1.0, false)]), [false, true, false]);
         assert_eq!(stays(&[(-1.0, true), (-1.0, true)]), [true, true]);
+    }
+
+    #[test]
+    fn a_hit_between_does_not_hide_one_of_a_wider_face() {
+        let at = |offset: f32, facing: f32, face: u32| {
+            let mut own = crossing(facing, false);
+            (own.hit.distance.offset, own.hit.face) = (offset, face);
+            own
+        };
+        let crossings = [at(0.0, 0.01, 1), at(0.1, -1.0, 0), at(1.1, 0.01, 0)];
+        let slack = |crossing: &Crossing<f32>| if crossing.hit.face == 1 { 1e-2 } else { 1e-6 };
+        assert_eq!(one_of_each(&crossings, slack), [true, true, false]);
     }
 }

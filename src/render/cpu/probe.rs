@@ -48,7 +48,11 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, firs
         let first = first_hit(scene, exactness, &prepared.ray, prepared.near);
         match first {
             Some(first) if !first.is_certain => {
-                all_hits(scene, exactness, &prepared).into_iter().take(1).collect()
+                let met = met_hits(scene, exactness, &prepared);
+                // Of more hits than are kept the first may be missing.
+                let is_cut = met.len() == MAX_HITS;
+                let all = if is_cut { vec![first] } else { sort_and_merge(scene, &prepared, met) };
+                all.into_iter().take(1).collect()
             }
             first => first.into_iter().collect(),
         }
@@ -100,7 +104,7 @@ pub fn sort_and_merge<T: Kernel>(
 ///
 /// Neighbouring leaves and nets find one hit each where they meet, as many as share a corner or a pole, and along a tangent every search ends at another
 /// point of the stretch in which the face is within its slack of the ray. A hit is at the place of another if it is at that of
-/// its last one, so that a stretch is one place however long. Of hits at one place a certain one stays, or else the first.
+/// its last one, so that a stretch is one place as long as the searches leave no wider gaps. Of hits at one place a certain one stays, or else the first.
 pub fn places<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
@@ -115,20 +119,19 @@ pub fn places<T: Kernel>(
     let mut kept: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
     // By index in `kept`: the last hit of the place.
     let mut last: Vec<Crossing<T>> = Vec::with_capacity(hits.len());
+    // Places of nets that a next hit may still be at.
+    let mut open: Vec<usize> = Vec::new();
     for hit in hits {
         let own = Crossing { hit, facing: hit_normal(scene, &hit).dot(prepared.ray.direction) };
-        let slack = world_slack(scene, &hit);
-        let farthest = slack * number(2.0 * LONGEST);
-        let mut near =
-            (0..last.len()).rev().take_while(|&k| hit.distance.minus(last[k].hit.distance) <= farthest);
+        let apart = |other: &Crossing<T>| hit.distance.minus(other.hit.distance);
+        open.retain(|&k| apart(&last[k]) <= world_slack(scene, &last[k].hit) * number(2.0 * LONGEST));
         let is_same = |other: &Crossing<T>| {
-            let apart = hit.distance.minus(other.hit.distance);
-            hit.net != NO_NET
-                && other.hit.face == hit.face
+            other.hit.face == hit.face
                 && other.hit.instance == hit.instance
-                && same_place(apart, own.facing, other.facing, slack)
+                && same_place(apart(other), own.facing, other.facing, world_slack(scene, &hit))
         };
-        match near.find(|&k| is_same(&last[k])) {
+        let place = open.iter().rev().copied().find(|&k| hit.net != NO_NET && is_same(&last[k]));
+        match place {
             Some(place) => {
                 last[place] = own;
                 if hit.is_certain && !kept[place].hit.is_certain {
@@ -136,6 +139,9 @@ pub fn places<T: Kernel>(
                 }
             }
             None => {
+                if hit.net != NO_NET {
+                    open.push(kept.len());
+                }
                 kept.push(own);
                 last.push(own);
             }
