@@ -133,8 +133,7 @@ pub(super) fn leaves(
         }
     }
     while let Some(leaf) = splitting.pop() {
-        let tapers = slab::tapers(&leaf.patch);
-        let taper = (0..2).find(|&axis| tapers[axis] && leaf.level[axis] < TAPER_LEVEL);
+        let taper = (0..2).find(|&axis| leaf.fit.tapers[axis] && leaf.level[axis] < TAPER_LEVEL);
         let fits =
             leaf.fit.distortion <= distortion && taper.is_none() || leaf.fit.size <= face_size * MIN_SIZE;
         let axis = match taper {

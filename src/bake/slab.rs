@@ -45,6 +45,8 @@ pub(super) struct Fit {
     pub distortion: f64,
     /// The axis whose halving helps most.
     pub split_axis: usize,
+    /// Whether, along u and along v, one side is shorter than [`TAPER`] of the one across from it.
+    pub tapers: [bool; 2],
     /// Diagonal of the control points' box.
     pub size: f64,
 }
@@ -74,11 +76,6 @@ pub(super) fn point_sides(patch: &BezierPatch) -> u32 {
         .into_iter()
         .filter(|&(axis, end)| is_point(axis, end))
         .fold(0, |sides, (axis, end)| sides | point_side(axis, end))
-}
-
-/// Whether, along u and along v, a patch tapers to less than a third of its width.
-pub(super) fn tapers(patch: &BezierPatch) -> [bool; 2] {
-    narrows(patch, &points(patch), TAPER)
 }
 
 /// Fits the frame of mean tangents.
@@ -113,7 +110,13 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
         * (p * q) as f64
         * 0.25;
     let mut split_axis = usize::from(bend_v > bend_u);
-    let pole = narrows(patch, &cartesian, POLE_RATIO).iter().position(|&narrows| narrows);
+    let sides = side_lengths(patch, &cartesian);
+    let narrows = |axis: usize, ratio: f64| {
+        let [first, last] = sides[axis];
+        first.min(last) <= ratio * first.max(last)
+    };
+    let pole = (0..2).find(|&axis| narrows(axis, POLE_RATIO));
+    let tapers = [0, 1].map(|axis| narrows(axis, TAPER));
     let longer = || usize::from(polygon_length(patch, &cartesian, 1) > polygon_length(patch, &cartesian, 0));
     if pole.is_none() && twist > bend_u.max(bend_v) {
         split_axis = longer();
@@ -149,7 +152,7 @@ pub(super) fn fit(patch: &BezierPatch) -> Fit {
     if let Some(axis) = weight_axis(patch) {
         (distortion, split_axis) = (distortion.max(1.0), axis);
     }
-    Fit { tangents, is_skew, distortion, split_axis, size }
+    Fit { tangents, is_skew, distortion, split_axis, tapers, size }
 }
 
 /// The length of the control polygons along an axis, all together, for comparing one axis with the other: divided by their number.
@@ -164,11 +167,11 @@ fn polygon_length(patch: &BezierPatch, cartesian: &[DVec3], axis: usize) -> f64 
     total / (patch.degrees[1 - axis] + 1) as f64
 }
 
-/// Whether, along u and along v, one side is at most `ratio` times as long as the one across from it.
-fn narrows(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> [bool; 2] {
+/// The lengths of the control polygons at both ends of u and of v.
+fn side_lengths(patch: &BezierPatch, cartesian: &[DVec3]) -> [[f64; 2]; 2] {
     let [p, q] = patch.degrees;
-    let side = |axis: usize, last: bool| {
-        let fixed = if last { patch.degrees[axis] } else { 0 };
+    let side = |axis: usize, end: usize| {
+        let fixed = end * patch.degrees[axis];
         let along = patch.degrees[1 - axis];
         let at = |k: usize| {
             if axis == 0 { cartesian[fixed * (q + 1) + k] } else { cartesian[k * (q + 1) + fixed] }
@@ -176,10 +179,7 @@ fn narrows(patch: &BezierPatch, cartesian: &[DVec3], ratio: f64) -> [bool; 2] {
         (1..=along).map(|k| at(k).distance(at(k - 1))).sum::<f64>()
     };
     debug_assert_eq!(cartesian.len(), (p + 1) * (q + 1));
-    [0, 1].map(|axis| {
-        let (first, last) = (side(axis, false), side(axis, true));
-        first.min(last) <= ratio * first.max(last)
-    })
+    [0, 1].map(|axis| [0, 1].map(|end| side(axis, end)))
 }
 
 /// The axis along which weights differ most, where they differ too much.
@@ -203,9 +203,8 @@ fn stand_in(mean_u: DVec3, mean_v: DVec3, size: f64) -> [DVec3; 2] {
     let first = longest.try_normalize().unwrap_or(DVec3::X);
     let across = other - first * other.dot(first);
     // What roundings leave of parallel tangents has any direction, along the first too.
-    let is_rounding = across.length() <= other.length() * PARALLEL;
-    let across = if is_rounding { first.any_orthonormal_vector() } else { across };
-    let second = across.try_normalize().unwrap_or_else(|| first.any_orthonormal_vector());
+    let spans = across.length() > other.length() * PARALLEL;
+    let second = across.try_normalize().filter(|_| spans).unwrap_or_else(|| first.any_orthonormal_vector());
     // A patch that is a point still needs a frame that single precision can invert.
     let length = size.max(1e-9);
     [first * length, second * length]

@@ -4,6 +4,7 @@
 
 use super::Film;
 use super::picture::decode_srgb;
+use super::stroke::{box_coverage, distance_to};
 use glam::DVec2;
 
 /// A stroke of a letter. Units: small letters are 4 high, tall ones 6, and what hangs down reaches −2.
@@ -141,11 +142,8 @@ impl Film {
             // Casts of floats hold to the range of the integers.
             for y in low.y.max(0.0) as usize..(high.y.max(0.0).ceil() as usize).min(self.height) {
                 for x in low.x.max(0.0) as usize..(high.x.max(0.0).ceil() as usize).min(self.width) {
-                    let off = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
-                    let along = b - a;
-                    let share = off.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-                    let distance = off.distance(along * share.clamp(0.0, 1.0));
-                    let own = (half + 0.5 - distance).clamp(0.0, 1.0).min(2.0 * half);
+                    let distance = distance_to(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), [a, b]);
+                    let own = box_coverage(distance, 2.0 * half);
                     let covered = &mut covered[y * self.width + x];
                     *covered = covered.max(own as f32);
                 }

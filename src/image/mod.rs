@@ -17,6 +17,7 @@ mod merge;
 mod picture;
 mod png;
 mod ramp;
+mod stroke;
 mod tone;
 
 pub use animation::Animation;
@@ -31,4 +32,5 @@ pub use merge::{MergeError, merge_exr, merge_png};
 pub use picture::{DeepPicture, Picture, decode_srgb, encode_srgb};
 pub use png::{BitDepth, decode_png, encode_film, encode_png, read_png, write_png};
 pub use ramp::heat_color;
+pub use stroke::{box_coverage, distance_to};
 pub use tone::ToneMapping;

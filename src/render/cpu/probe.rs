@@ -57,19 +57,9 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, firs
             first => first.into_iter().collect(),
         }
     } else {
-        all_hits(scene, exactness, &prepared)
+        sort_and_merge(scene, &prepared, met_hits(scene, exactness, &prepared))
     };
     hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
-}
-
-/// All hits, sorted, each once.
-pub fn all_hits<T: Kernel>(
-    scene: &Scene<'_>,
-    exactness: Exactness,
-    prepared: &PreparedRay<T>,
-) -> Vec<RawHit<T>> {
-    let met = met_hits(scene, exactness, prepared);
-    sort_and_merge(scene, prepared, met)
 }
 
 /// All hits as they are met.
@@ -125,13 +115,14 @@ pub fn places<T: Kernel>(
         let own = Crossing { hit, facing: hit_normal(scene, &hit).dot(prepared.ray.direction) };
         let apart = |other: &Crossing<T>| hit.distance.minus(other.hit.distance);
         open.retain(|&k| apart(&last[k]) <= world_slack(scene, &last[k].hit) * number(2.0 * LONGEST));
+        let (is_of_net, slack) = (hit.net != NO_NET, world_slack(scene, &hit));
         let is_same = |other: &Crossing<T>| {
-            other.hit.face == hit.face
+            is_of_net
+                && other.hit.face == hit.face
                 && other.hit.instance == hit.instance
-                && same_place(apart(other), own.facing, other.facing, world_slack(scene, &hit))
+                && same_place(apart(other), own.facing, other.facing, slack)
         };
-        let place = open.iter().rev().copied().find(|&k| hit.net != NO_NET && is_same(&last[k]));
-        match place {
+        match open.iter().rev().copied().find(|&k| is_same(&last[k])) {
             Some(place) => {
                 last[place] = own;
                 if hit.is_certain && !kept[place].hit.is_certain {
@@ -139,7 +130,7 @@ pub fn places<T: Kernel>(
                 }
             }
             None => {
-                if hit.net != NO_NET {
+                if is_of_net {
                     open.push(kept.len());
                 }
                 kept.push(own);

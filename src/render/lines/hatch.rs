@@ -1,8 +1,8 @@
 //! Hatch lines of caps as strokes: where the shading of a cap has them, but as crisp as edges and visible in every style.
 
 use super::screen::Screen;
-use super::stroke::{Mask, box_coverage};
-use crate::image::Film;
+use super::stroke::Mask;
+use crate::image::{Film, box_coverage};
 use crate::render::cpu::section::{HATCH_SHARE, WorldPlane, WorldSection, hatch_place};
 use crate::render::cpu::vector::Vector3;
 use crate::render::section::Section;

@@ -2,7 +2,7 @@
 
 use super::screen::Screen;
 use super::{EdgeChoice, Ends, LineOptions};
-use crate::image::Window;
+use crate::image::{Window, distance_to};
 use crate::scene::{EdgeKind, EdgePiece, NO_FACE, Scene};
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -195,11 +195,4 @@ fn is_in_picture(screen: &Screen<'_>, a: DVec2, b: DVec2) -> bool {
     let bulge = a.distance(b) + MARGIN;
     let size = DVec2::from_array(screen.size().map(|pixels| pixels as f64));
     (a.max(b) + bulge).cmpge(DVec2::ZERO).all() && (a.min(b) - bulge).cmple(size).all()
-}
-
-/// The distance of a place from a straight piece.
-pub(super) fn distance_to(place: DVec2, [a, b]: Ends) -> f64 {
-    let (along, from) = (b - a, place - a);
-    let share = (from.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    from.distance(along * share)
 }

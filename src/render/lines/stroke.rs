@@ -1,11 +1,7 @@
-//! Strokes: what a line of constant width covers of pixels.
-//!
-//! A pixel is taken for a box as wide as itself across the line, wherever the line runs: the coverage is the share of that box within the line's width.
-//! Across a straight line it adds up to the width exactly.
+//! What lines cover of each pixel, and which lines are near a place.
 
 use super::Ends;
-use super::steps::distance_to;
-use crate::image::Window;
+use crate::image::{Window, box_coverage, distance_to};
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -44,12 +40,6 @@ impl Mask {
     pub(super) fn into_coverage(self) -> Vec<f32> {
         self.coverage
     }
-}
-
-/// What a line covers of a box as wide as a pixel across it, whose middle is at `distance` from that of the line.
-pub(super) fn box_coverage(distance: f64, width: f64) -> f64 {
-    let half = 0.5 * width;
-    ((distance + half).min(0.5) - (distance - half).max(-0.5)).max(0.0)
 }
 
 /// The pixels of a part of the picture whose centres may be within `reach` of a straight piece.
