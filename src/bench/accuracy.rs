@@ -3,10 +3,11 @@
 //! Two references: one traces exactly the baked f32 numbers, so that what differs is the tracer's own error; the other traces the model's
 //! f64 numbers, which shows the error of baking too. Only rays that the reference is certain of count; the others are told apart.
 
+use super::misclassified::{WrongHits, count_misclassified};
 use super::rays::chord;
-use crate::render::cpu::{Precision, probe};
+use crate::render::cpu::{Precision, probe_with};
 use crate::render::reference::{ExpectedHit, Reference, TOLERANCE};
-use crate::render::{Hit, Ray};
+use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,6 +21,21 @@ const SAME_HIT: f64 = 64.0;
 
 /// Hits with |cos| above this are steep.
 const STEEP: f64 = 0.2;
+
+/// Who is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tracer {
+    /// The numbers it computes with.
+    pub precision: Precision,
+    /// How it searches nets.
+    pub exactness: Exactness,
+}
+
+impl From<Precision> for Tracer {
+    fn from(precision: Precision) -> Self {
+        Self { precision, exactness: Exactness::default() }
+    }
+}
 
 /// Errors of many hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,12 +63,16 @@ pub struct Accuracy {
     pub missed: u64,
     /// Hits that the tracer has and the reference has not.
     pub phantom: u64,
+    /// Of both, those whose place on the surface both have: a trim was decided otherwise.
+    pub misclassified: u64,
     /// |difference of distances| over the size of the net or of the carrier's piece.
     pub distance: Quantiles,
     /// The same of the hits with |cos| of the angle to the normal above [`STEEP`]: elsewhere any error of a position counts 1 / |cos| times.
     pub steep_distance: Quantiles,
     /// Angle between the normals, radians.
     pub normal: Quantiles,
+    /// Difference of the surface parameters, as a length along the surface over that size.
+    pub parameters: Quantiles,
     /// Rays with an odd number of hits by the tracer, certain or not.
     pub odd: u64,
     /// The first ray with a hit missed or made up.
@@ -68,7 +88,7 @@ pub struct Accuracy {
 pub fn measure_accuracy(
     scene: &Scene<'_>,
     reference: &Reference<'_>,
-    precision: Precision,
+    tracer: Tracer,
     distance: f64,
     first: u64,
     count: u64,
@@ -78,25 +98,26 @@ pub fn measure_accuracy(
         let Ray { origin, direction } = chord(scene, index);
         Ray { origin: origin - direction * (distance * radius), direction }
     };
-    measure_rays(scene, reference, precision, first, count, &ray)
+    measure_rays(scene, reference, tracer, first, count, &ray)
 }
 
 /// [`measure_accuracy`] with the rays of choice, by their number.
 pub(super) fn measure_rays(
     scene: &Scene<'_>,
     reference: &Reference<'_>,
-    precision: Precision,
+    tracer: Tracer,
     first: u64,
     count: u64,
     ray: &dyn Fn(u64) -> Ray,
 ) -> Accuracy {
     let mut result = Accuracy { rays: count, ..Accuracy::default() };
-    let (mut distances, mut steep, mut angles) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut distances, mut steep, mut angles, mut parameters) = (vec![], vec![], vec![], vec![]);
+    let mut wrong: Vec<WrongHits> = Vec::new();
     let mut elapsed = 0.0;
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         let clock = Instant::now();
-        let found = probe(scene, &rays, precision, false);
+        let found = probe_with(scene, &rays, tracer.precision, false, tracer.exactness);
         elapsed += clock.elapsed().as_secs_f64();
         let compared: Vec<Option<Comparison>> = rays
             .par_iter()
@@ -109,16 +130,18 @@ pub(super) fn measure_rays(
         }
         for (ray, comparison) in rays.iter().zip(compared) {
             let Some(comparison) = comparison else { continue };
-            if comparison.missed + comparison.phantom > 0 {
-                result.wrong = result.wrong.or(Some(*ray));
-            }
+            let Comparison { errors, missed, phantom } = comparison;
             result.certain += 1;
-            result.hits += comparison.errors.len() as u64 + comparison.missed;
-            result.missed += comparison.missed;
-            result.phantom += comparison.phantom;
-            for HitError { distance, angle, facing } in comparison.errors {
+            result.hits += (errors.len() + missed.len()) as u64;
+            result.missed += missed.len() as u64;
+            result.phantom += phantom.len() as u64;
+            if !(missed.is_empty() && phantom.is_empty()) {
+                wrong.push(WrongHits { ray: *ray, missed, phantom });
+            }
+            for HitError { distance, angle, along, facing } in errors {
                 distances.push(distance);
                 angles.push(angle);
+                parameters.push(along);
                 if facing > STEEP {
                     steep.push(distance);
                 }
@@ -128,6 +151,9 @@ pub(super) fn measure_rays(
     result.distance = quantiles(distances);
     result.steep_distance = quantiles(steep);
     result.normal = quantiles(angles);
+    result.parameters = quantiles(parameters);
+    result.wrong = wrong.first().map(|wrong| wrong.ray);
+    result.misclassified = count_misclassified(scene, reference, tracer, &wrong);
     result.seconds = elapsed * rayon::current_num_threads() as f64 / count.max(1) as f64;
     result
 }
@@ -137,6 +163,7 @@ pub(super) fn measure_rays(
 struct HitError {
     distance: f64,
     angle: f64,
+    along: f64,
     /// |cos| of the angle between the ray and the normal.
     facing: f64,
 }
@@ -145,30 +172,47 @@ struct HitError {
 #[derive(Debug, Default)]
 struct Comparison {
     errors: Vec<HitError>,
-    missed: u64,
-    phantom: u64,
+    missed: Vec<ExpectedHit>,
+    phantom: Vec<Hit>,
 }
 
 fn compare(expected: &[ExpectedHit], found: &[Hit]) -> Comparison {
-    let mut result = Comparison::default();
-    let mut left: Vec<&Hit> = found.iter().collect();
-    for ExpectedHit { hit, size, facing } in expected {
-        let limit = SAME_HIT * TOLERANCE * size / facing;
-        let apart = |other: &Hit| (other.t - hit.t).abs();
+    let mut result = Comparison { phantom: found.to_vec(), ..Comparison::default() };
+    for own in expected {
+        let left = &mut result.phantom;
+        let apart = |other: &Hit| (other.t - own.hit.t).abs();
         let nearest = (0..left.len())
-            .filter(|&i| left[i].face == hit.face && left[i].instance == hit.instance)
-            .min_by(|&a, &b| apart(left[a]).total_cmp(&apart(left[b])));
-        match nearest.filter(|&i| apart(left[i]) <= limit) {
+            .filter(|&i| is_same_hit(own, &left[i]))
+            .min_by(|&a, &b| apart(&left[a]).total_cmp(&apart(&left[b])));
+        match nearest {
             Some(i) => {
                 let other = left.swap_remove(i);
-                let (distance, angle) = (apart(other) / size, angle(other, hit));
-                result.errors.push(HitError { distance, angle, facing: *facing });
+                let (distance, angle) = (apart(&other) / own.size, angle(&other, &own.hit));
+                let along = distance_along(own, &other) / own.size;
+                result.errors.push(HitError { distance, angle, along, facing: own.facing });
             }
-            None => result.missed += 1,
+            None => result.missed.push(*own),
         }
     }
-    result.phantom = left.len() as u64;
     result
+}
+
+/// Whether a hit answers an expected one.
+pub(super) fn is_same_hit(expected: &ExpectedHit, found: &Hit) -> bool {
+    let ExpectedHit { hit, size, facing, .. } = expected;
+    let limit = SAME_HIT * TOLERANCE * size / facing;
+    (found.face, found.instance) == (hit.face, hit.instance) && (found.t - hit.t).abs() <= limit
+}
+
+/// The difference of the surface parameters, as a length.
+fn distance_along(expected: &ExpectedHit, found: &Hit) -> f64 {
+    let [u, v] = [0, 1].map(|k| {
+        let apart = found.uv[k] - expected.hit.uv[k];
+        let period = expected.period[k];
+        let turns = if period > 0.0 { (apart / period).round() } else { 0.0 };
+        (apart - turns * period) * expected.lengths[k]
+    });
+    u.hypot(v)
 }
 
 fn angle(a: &Hit, b: &Hit) -> f64 {
@@ -189,7 +233,7 @@ mod tests {
     use super::*;
     use crate::bake::{BakeOptions, bake};
     use crate::render::reference::widened;
-    use crate::scene::{SceneBuffers, primitive};
+    use crate::scene::{SceneBuffers, TRIM_INSIDE, primitive};
 
     fn fixture(name: &str) -> SceneBuffers {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name);
@@ -198,7 +242,7 @@ mod tests {
     }
 
     fn measured(scene: &SceneBuffers, truth: &SceneBuffers) -> Accuracy {
-        measure_accuracy(&scene.scene(), &Reference::new(truth.scene()), Precision::F32, 0.0, 0, 4000)
+        measure_accuracy(&scene.scene(), &Reference::new(truth.scene()), Precision::F32.into(), 0.0, 0, 4000)
     }
 
     #[test]
@@ -210,10 +254,11 @@ mod tests {
             assert_eq!((found.missed, found.phantom), (0, 0), "{name}: {found:?}");
             assert!(found.distance.median < 1e-7 && found.distance.p99 < 2e-6, "{name}: {found:?}");
             assert!(found.steep_distance.p999 < 1e-6, "{name}: {found:?}");
+            assert!(found.parameters.median < 2e-7 && found.parameters.max > 0.0, "{name}: {found:?}");
             // The same from ten thousand radii away.
             let reference = widened(&scene.scene());
             let reference = Reference::new(reference.scene());
-            let far = measure_accuracy(&scene.scene(), &reference, Precision::F32, 1e4, 0, 4000);
+            let far = measure_accuracy(&scene.scene(), &reference, Precision::F32.into(), 1e4, 0, 4000);
             assert_eq!((far.missed, far.phantom), (0, 0), "{name}: {far:?}");
             assert!(far.steep_distance.p999 < 1e-6, "{name}: {far:?}");
         }
@@ -230,11 +275,24 @@ mod tests {
             leaf.center = leaf.center.map(|x| x + 1e6);
         }
         let found = measured(&bare, &truth);
-        assert!(found.missed > 0, "{found:?}");
+        assert!(found.missed > 0 && found.misclassified == 0, "{found:?}");
         // A net that reaches out: hits where none should be, and others that are off.
         let mut moved = truth.clone();
         moved.net_points.iter_mut().for_each(|p| p[0] += 0.01 * p[3]);
         let found = measured(&moved, &truth);
         assert!(found.missed > 0 && found.phantom > 0, "{found:?}");
+        // Holes that are closed.
+        let mut open = truth.clone();
+        for face in &mut open.faces {
+            face.trim_root = TRIM_INSIDE;
+        }
+        for leaf in &mut open.net_leaves {
+            leaf.trim = TRIM_INSIDE;
+        }
+        let found = measured(&open, &truth);
+        assert!(found.phantom > 0 && found.misclassified >= found.phantom, "{found:?}");
+        // Faces that are holes: the places are there, but the trims say no.
+        let found = measured(&truth, &open);
+        assert!(found.missed > 0 && found.misclassified >= found.missed, "{found:?}");
     }
 }

@@ -4,6 +4,7 @@ mod accuracy;
 mod frames;
 mod leaks;
 mod lines;
+mod misclassified;
 mod plot;
 mod rays;
 mod stages;
@@ -11,7 +12,7 @@ pub mod stress;
 pub mod trim;
 mod work;
 
-pub use accuracy::{Accuracy, Quantiles, measure_accuracy};
+pub use accuracy::{Accuracy, Quantiles, Tracer, measure_accuracy};
 pub use frames::{FrameLoad, FrameWork, measure_frames};
 pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
 pub use lines::{PlotLine, lines_svg};

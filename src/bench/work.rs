@@ -1,4 +1,5 @@
-//! Run time against error: what a first hit costs and how far it is off, for each setting of the tracer.
+//! Run time against error: what a first hit costs and how far it is off, for each setting of the tracer: the size of leaves with each exactness, the numbers, where
+//! Newton's method stops, and who decides trims.
 //!
 //! Truth are the model's f64 numbers by the [`Reference`], for the rays that it is certain of; errors are distances along the ray over the scene's
 //! diagonal, so that they stand beside those of a mesh (`tools/rival`). Times are of one thread, the least of several runs.
@@ -9,14 +10,20 @@ use crate::bake::{BakeOptions, bake};
 use crate::brep::Model;
 use crate::render::cpu::{Precision, probe_with};
 use crate::render::reference::Reference;
-use crate::render::{Exactness, Hit, Ray};
-use crate::scene::{Scene, section_bytes};
+use crate::render::{Exactness, Hit, NetSearch, Ray};
+use crate::scene::{Scene, SceneBuffers, TRIM_INSIDE, TrimMethod, section_bytes};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// Distortions that leaves are split to; the middle one is the bake's default.
 const DISTORTIONS: [f64; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+
+/// Steps, in `√ε`, below which Newton's method has converged, beside the default of 1: a smaller one costs steps, a greater one digits.
+const NEWTON_STOPS: [f32; 5] = [1.0 / 64.0, 8.0, 64.0, 256.0, 1024.0];
+
+/// Trim methods beside the default: the first seed's fastest for few and for many curves, our bands without curves.
+const TRIM_METHODS: [u32; 4] = [1, 4, 12, 31];
 
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;
@@ -27,10 +34,10 @@ const ELSEWHERE: f64 = 1e-2;
 /// One setting, measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkPoint {
-    /// Exactness and precision.
+    /// Exactness, precision and what the settings change.
     pub series: String,
-    /// The distortion ρ.
-    pub distortion: f64,
+    /// The setting: the distortion ρ, a step in `√ε`, or a trim method.
+    pub setting: String,
     /// From the model to the scene, seconds, on all threads.
     pub build_seconds: f64,
     /// Of the scene in memory.
@@ -59,31 +66,56 @@ pub fn measure_work(model: &Model, first: u64, count: u64) -> Vec<WorkPoint> {
     let reference = Reference::new(scene);
     let nearest = |ray: &Ray| reference.trace(ray).map(|hits| hits.first().map(|found| found.hit.t));
     let truth: Vec<Truth> = rays.par_iter().map(nearest).collect();
-    let distortions: &[f64] = if scene.nets.is_empty() { &[options.distortion] } else { &DISTORTIONS };
+    let has_nets = !scene.nets.is_empty();
+    let distortions: &[f64] = if has_nets { &DISTORTIONS } else { &[options.distortion] };
+    let judge = |series: &str, setting: String, built: &(Scene<'_>, f64), precision, search: NetSearch| {
+        let measured = measure(&built.0, precision, search, &rays, &truth);
+        WorkPoint { series: series.to_owned(), setting, build_seconds: built.1, ..measured }
+    };
+    let exact = NetSearch::from(Exactness::Exact);
     let mut points = Vec::new();
     for &distortion in distortions {
-        let clock = Instant::now();
-        let narrow = bake(model, &BakeOptions { distortion, ..BakeOptions::default() }, &|_, _| {});
-        let build_seconds = clock.elapsed().as_secs_f64();
-        for (name, exactness) in
-            [("fast", Exactness::Fast), ("balanced", Exactness::Balanced), ("exact", Exactness::Exact)]
-        {
-            let measured = measure(&narrow.scene(), Precision::F32, exactness, &rays, &truth);
-            points.push(WorkPoint { series: format!("{name} f32"), distortion, build_seconds, ..measured });
+        let (narrow, seconds) = timed_bake(model, &BakeOptions { distortion, ..BakeOptions::default() });
+        let built = (narrow.scene(), seconds);
+        for (series, exactness) in [
+            ("fast f32", Exactness::Fast),
+            ("balanced f32", Exactness::Balanced),
+            ("exact f32", Exactness::Exact),
+        ] {
+            points.push(judge(series, distortion.to_string(), &built, Precision::F32, exactness.into()));
         }
         if distortion == options.distortion {
-            let measured = measure(&scene, Precision::F64, Exactness::Exact, &rays, &truth);
-            points.push(WorkPoint { series: "exact f64".to_owned(), distortion, build_seconds, ..measured });
+            let wide = (scene, seconds);
+            points.push(judge("exact f64", distortion.to_string(), &wide, Precision::F64, exact));
+            for newton_stop in if has_nets { &NEWTON_STOPS[..] } else { &[] } {
+                let search = NetSearch { newton_stop: *newton_stop, ..exact };
+                let setting = newton_stop.to_string();
+                points.push(judge("Newton's stop", setting, &built, Precision::F32, search));
+            }
+        }
+    }
+    if scene.faces.iter().any(|face| face.trim_root != TRIM_INSIDE) {
+        for trim_method in TRIM_METHODS.iter().filter_map(|&number| TrimMethod::from_number(number)) {
+            let (other, seconds) = timed_bake(model, &BakeOptions { trim_method, ..BakeOptions::default() });
+            let built = (other.scene(), seconds);
+            points.push(judge("trim method", trim_method.name().to_owned(), &built, Precision::F32, exact));
         }
     }
     points
+}
+
+/// A scene and the seconds that its bake took.
+fn timed_bake(model: &Model, options: &BakeOptions) -> (SceneBuffers, f64) {
+    let clock = Instant::now();
+    let scene = bake(model, options, &|_, _| {});
+    (scene, clock.elapsed().as_secs_f64())
 }
 
 /// One setting; what the caller knows is left empty.
 fn measure(
     scene: &Scene<'_>,
     precision: Precision,
-    exactness: Exactness,
+    search: NetSearch,
     rays: &[Ray],
     truth: &[Truth],
 ) -> WorkPoint {
@@ -92,7 +124,7 @@ fn measure(
         let mut found = Vec::new();
         for _ in 0..RUNS {
             let clock = Instant::now();
-            found = probe_with(scene, rays, precision, true, exactness);
+            found = probe_with(scene, rays, precision, true, search);
             seconds = seconds.min(clock.elapsed().as_secs_f64());
         }
         (found, seconds)
@@ -114,7 +146,7 @@ fn measure(
     }
     WorkPoint {
         series: String::new(),
-        distortion: 0.0,
+        setting: String::new(),
         build_seconds: 0.0,
         bytes: section_bytes(scene)["total"],
         nanoseconds: seconds * 1e9 / rays.len().max(1) as f64,
@@ -142,15 +174,18 @@ mod tests {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/knob/model.step");
         let model = crate::import::import(&path).expect("a fixture");
         let points = measure_work(&model, 0, 2000);
-        assert_eq!(points.len(), 3 * DISTORTIONS.len() + 1);
+        let count = 3 * DISTORTIONS.len() + 1 + NEWTON_STOPS.len() + TRIM_METHODS.len();
+        assert_eq!(points.len(), count);
         for point in &points {
             assert!(point.certain > 1900 && point.nanoseconds > 0.0 && point.bytes > 0, "{point:?}");
-            assert!(point.error.median < 1e-6, "{point:?}");
+            assert!(point.error.median < 1e-6 || point.setting == "1024", "{point:?}");
             if point.series.starts_with("exact") {
                 assert_eq!((point.missed, point.phantom), (0, 0), "{point:?}");
             }
         }
         let errors = |series: &str| points.iter().find(|p| p.series == series).map(|p| p.error.median);
         assert!(errors("exact f64") < errors("exact f32"));
+        let worst = |setting: &str| points.iter().find(|p| p.setting == setting).map(|p| p.error.p99);
+        assert!(worst("1024") > worst("8"), "{points:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! `trimray bench` as clap sees it.
 
-use super::args::{DeviceChoice, PrecisionChoice, parse_resolution};
+use super::args::{DeviceChoice, ExactnessChoice, PrecisionChoice, parse_resolution};
 use super::args_bench_trim::BenchTrim;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -82,13 +82,16 @@ pub(super) struct BenchStages {
 ///
 /// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size, or twice the gap of its edges, would
 /// change its hits, and unless it has an odd number of them itself on closed bodies (`bench leaks` counts those); only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
-/// compares with the model's f64 numbers, so that the baking counts too. Errors of distance are relative to the size of the net or face piece
-/// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; angles are in radians.
+/// compares with the model's f64 numbers, so that the baking counts too. `trims` counts the missed and made-up hits whose place is right, so that a trim
+/// was decided otherwise. Errors of distance are relative to the size of the net or face piece
+/// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; `angle` is that of normals in radians, and `uv` that of the
+/// surface parameters as a length along the surface, over that size.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   trimray bench accuracy part.step
-  trimray bench accuracy *.step --rays 1000000 --json > accuracy.jsonl")]
+  trimray bench accuracy part.step --exactness fast
+  trimray bench accuracy *.step --rays 1000000 --csv accuracy.csv")]
 pub(super) struct BenchAccuracy {
     /// STEP or IGES files.
     #[arg(required = true, value_name = "INPUT")]
@@ -102,13 +105,21 @@ pub(super) struct BenchAccuracy {
     /// The number of the first ray in the sequence: other rays than those of an earlier run.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MAX_FIRST))]
     pub(super) first: u64,
+    /// How carefully nets are searched.
+    #[arg(long, value_enum, default_value_t = ExactnessChoice::Exact)]
+    pub(super) exactness: ExactnessChoice,
+    /// Write the rows here too, as comma-separated values.
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
     /// One JSON object a line.
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// Run time against error: first hits at five distortions of the leaves, three exactnesses and two precisions.
+/// Run time against error: first hits at five distortions of the leaves, three exactnesses and two precisions, with Newton's method stopped
+/// earlier or later, and with other trim methods.
 ///
+/// The setting is the distortion, the step in √ε of a leaf's side below which Newton's method has converged (1 elsewhere), or the trim method.
 /// Each setting's bake time, bytes, nanoseconds a ray on one thread, and the errors of its first hits against the f64 reference, in diagonals of
 /// the scene. `--csv` writes rows that tools/rival/mesh_embree.py writes too, for a mesh of the same model; `--rival` reads those, so that the
 /// plot shows both.

@@ -4,10 +4,12 @@ use super::args::General;
 use super::args_bench::BenchAccuracy;
 use super::bench::ray_numbers;
 use super::load::{Purpose, load};
-use crate::bench::{Accuracy, Quantiles, measure_accuracy};
+use crate::bench::{Accuracy, Quantiles, Tracer, measure_accuracy};
 use crate::render::cpu::Precision;
 use crate::render::reference::{Reference, widened};
+use anyhow::Context;
 use serde::Serialize;
+use std::fs;
 use std::io::Write;
 use std::path::Path;
 
@@ -22,9 +24,11 @@ struct Line<'a> {
     hits: u64,
     missed: u64,
     phantom: u64,
+    misclassified: u64,
     distance: Errors,
     steep_distance: Errors,
     normal: Errors,
+    parameters: Errors,
     microseconds: f64,
     /// Origin and direction of the first ray with a hit missed or made up.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +46,7 @@ struct Errors {
 
 pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
+    let mut rows = String::from(COLUMNS) + "\n";
     if !command.json {
         write_head(&mut out)?;
     }
@@ -57,10 +62,12 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
         ];
         for (precision, kind, against, truth) in cases {
             let reference = Reference::new(truth);
+            let tracer = Tracer { precision: kind, exactness: command.exactness.into() };
             let accuracy =
-                measure_accuracy(&scene, &reference, kind, command.distance, command.first, command.rays);
+                measure_accuracy(&scene, &reference, tracer, command.distance, command.first, command.rays);
+            let line = line(path, precision, against, &accuracy);
+            rows += &csv_row(&line);
             if command.json {
-                let line = line(path, precision, against, &accuracy);
                 serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
                 writeln!(out)?;
             } else {
@@ -69,7 +76,10 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
             out.flush()?;
         }
     }
-    Ok(())
+    match &command.csv {
+        Some(path) => fs::write(path, rows).with_context(|| path.display().to_string()),
+        None => Ok(()),
+    }
 }
 
 fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, found: &Accuracy) -> Line<'a> {
@@ -79,9 +89,11 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
         hits,
         missed,
         phantom,
+        misclassified,
         distance,
         steep_distance,
         normal,
+        parameters,
         seconds,
         wrong,
         ..
@@ -96,29 +108,51 @@ fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, foun
         hits,
         missed,
         phantom,
+        misclassified,
         distance: errors(distance),
         steep_distance: errors(steep_distance),
         normal: errors(normal),
+        parameters: errors(parameters),
         microseconds: seconds * 1e6,
         wrong: wrong.map(ray_numbers),
     }
 }
 
+/// The columns of [`csv_row`].
+const COLUMNS: &str = "file,precision,against,rays,certain,hits,missed,phantom,misclassified,microseconds,\
+    distance_median,distance_p99,distance_p999,distance_max,steep_median,steep_p99,steep_p999,steep_max,\
+    normal_median,normal_p99,normal_p999,normal_max,uv_median,uv_p99,uv_p999,uv_max";
+
+fn csv_row(line: &Line<'_>) -> String {
+    let Line {
+        precision, against, rays, certain, hits, missed, phantom, misclassified, microseconds, ..
+    } = line;
+    let file = line.file.replace([',', '\n'], " ");
+    let counts = format!(
+        "{file},{precision},{against},{rays},{certain},{hits},{missed},{phantom},{misclassified},{microseconds:.3}"
+    );
+    let errors = [&line.distance, &line.steep_distance, &line.normal, &line.parameters];
+    let of = |Errors { median, p99, p999, max }: &Errors| format!(",{median:e},{p99:e},{p999:e},{max:e}");
+    counts + &errors.map(of).concat() + "\n"
+}
+
 fn write_head(out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "{:<4}{:<8}{:>10}{:>10}{:>8}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}  file",
+        "{:<4}{:<8}{:>10}{:>10}{:>8}{:>9}{:>7}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}  file",
         "",
         "against",
         "certain",
         "hits",
         "missed",
         "phantom",
+        "trims",
         "median",
         "p99.9",
         "steep",
         "max",
         "angle",
+        "uv",
         "µs/ray"
     )
 }
@@ -130,16 +164,17 @@ fn write_row(
     against: &str,
     found: &Accuracy,
 ) -> std::io::Result<()> {
-    let Accuracy { certain, hits, missed, phantom, distance, steep_distance, normal, seconds, .. } = found;
+    let Accuracy { certain, hits, missed, phantom, misclassified, distance, .. } = found;
     writeln!(
         out,
-        "{precision:<4}{against:<8}{certain:>10}{hits:>10}{missed:>8}{phantom:>9}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2}  {}",
+        "{precision:<4}{against:<8}{certain:>10}{hits:>10}{missed:>8}{phantom:>9}{misclassified:>7}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2}  {}",
         distance.median,
         distance.p999,
-        steep_distance.p999,
+        found.steep_distance.p999,
         distance.max,
-        normal.p999,
-        seconds * 1e6,
+        found.normal.p999,
+        found.parameters.p999,
+        found.seconds * 1e6,
         path.display()
     )
 }

@@ -41,15 +41,25 @@ pub(super) fn run(command: &BenchWork) -> anyhow::Result<()> {
 fn write_table(out: &mut impl Write, points: &[WorkPoint]) -> std::io::Result<()> {
     writeln!(
         out,
-        "{:<14}{:>9}{:>10}{:>11}{:>8}{:>10}{:>10}{:>10}{:>10}{:>8}{:>9}",
-        "", "rho", "bake, ms", "bytes", "ns/ray", "median", "p99.9", "max", "certain", "missed", "phantom"
+        "{:<14}{:>12}{:>10}{:>11}{:>8}{:>10}{:>10}{:>10}{:>10}{:>8}{:>9}",
+        "",
+        "setting",
+        "bake, ms",
+        "bytes",
+        "ns/ray",
+        "median",
+        "p99.9",
+        "max",
+        "certain",
+        "missed",
+        "phantom"
     )?;
     for p in points {
         writeln!(
             out,
-            "{:<14}{:>9}{:>10.1}{:>11}{:>8.0}{:>10.1e}{:>10.1e}{:>10.1e}{:>10}{:>8}{:>9}",
+            "{:<14}{:>12}{:>10.1}{:>11}{:>8.0}{:>10.1e}{:>10.1e}{:>10.1e}{:>10}{:>8}{:>9}",
             p.series,
-            p.distortion,
+            p.setting,
             p.build_seconds * 1e3,
             p.bytes,
             p.nanoseconds,
@@ -74,7 +84,7 @@ fn csv_of(model: &str, points: &[WorkPoint]) -> String {
             text,
             "{model},{},{},{:e},{},{:.1},{:e},{:e},{:e},{:e},{},{},{}",
             p.series,
-            p.distortion,
+            p.setting,
             p.build_seconds,
             p.bytes,
             p.nanoseconds,
@@ -118,7 +128,7 @@ mod tests {
         let error = Quantiles { median: 1e-9, p99: 1e-8, p999: 2.5e-7, max: 1e-6 };
         let point = WorkPoint {
             series: "exact f32".to_owned(),
-            distortion: 0.125,
+            setting: "0.125".to_owned(),
             build_seconds: 0.5,
             bytes: 1000,
             nanoseconds: 321.5,

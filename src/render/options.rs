@@ -35,6 +35,22 @@ pub enum Exactness {
     Exact,
 }
 
+/// How a net is searched: [`Exactness`], and where a search ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NetSearch {
+    /// Which searches there are.
+    pub exactness: Exactness,
+    /// Newton's method has converged with a step below so many `√ε` of the leaf's sides: such a step leaves about its square, so that 1 leaves
+    /// what the numbers round. Other values are for studies.
+    pub newton_stop: f32,
+}
+
+impl From<Exactness> for NetSearch {
+    fn from(exactness: Exactness) -> Self {
+        Self { exactness, newton_stop: 1.0 }
+    }
+}
+
 /// Which pixels get all samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sampling {

@@ -1,5 +1,6 @@
 //! The binary as its users meet it: what it prints, what it writes, how it ends.
 
+mod bench;
 mod camera;
 mod cube;
 mod kept;
@@ -486,30 +487,4 @@ fn pictures_of_trim_tests_are_black_where_nothing_is_tested() {
     bench.run("render cube.step -o heat.exr --resolution 40x30 --aov trim-tests").expect(0);
     let refused = bench.run("render cube.step -o no.png --aov trim-tests --device gpu").expect(2);
     assert!(refused.stderr.contains("CPU"), "{}", refused.stderr);
-}
-
-#[test]
-fn the_trimming_study_has_a_row_for_each_method() {
-    let bench = Bench::new();
-    let knob = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/knob/model.step");
-    fs::copy(knob, bench.path("knob.step")).expect("copied");
-    let few = "--rays 200 --resolution 16,9 --repeat 1";
-    let outcome = bench.run(&format!("bench trim knob.step {few} --csv rows.csv")).expect(0);
-    for label in ["absolute", "1-LC ", "3-HS ", "13-KCS[SF19] ", "29-KCS+RBEM ", "30-PACKED "] {
-        assert_eq!(outcome.text().lines().filter(|line| line.starts_with(label)).count(), 1, "{label}");
-    }
-    assert!(!outcome.text().contains("otherwise"), "{}", outcome.text());
-    let rows = fs::read_to_string(bench.path("rows.csv")).expect("rows");
-    assert_eq!(rows.lines().count(), 1 + 2 * 31);
-    let outcome = bench.run(&format!("bench trim knob.step {few} --methods 1,packed --json")).expect(0);
-    let line: Value = serde_json::from_str(outcome.text()).expect("JSON");
-    assert_eq!(line["methods"].as_array().expect("methods").len(), 2);
-    assert!(line["methods"][0]["random"]["queries"].as_u64().expect("a count") > 0);
-    let outcome = bench.run("bench trim knob.step --check 2000").expect(0);
-    assert!(outcome.text().contains("31 methods, 0 wrong answers"), "{}", outcome.text());
-    let degrees = format!("bench trim knob.step {few} --degrees 2,5 --methods 3,packed --plot plot.svg");
-    let outcome = bench.run(&degrees).expect(0);
-    assert!(outcome.text().contains("30-PACKED, lines kept"), "{}", outcome.text());
-    assert!(fs::read_to_string(bench.path("plot.svg")).expect("a plot").contains("<polyline"));
-    bench.run("bench trim knob.step --plot plot.svg").expect(2);
 }

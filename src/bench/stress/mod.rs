@@ -89,7 +89,7 @@ impl StressScene {
         let scene = self.buffers.scene();
         let reference = Reference::new(truth(&scene, &self.narrow, precision));
         let radius = scene_radius(&scene);
-        measure_rays(&scene, &reference, precision, first, count, &|index| match kind {
+        measure_rays(&scene, &reference, precision.into(), first, count, &|index| match kind {
             RayKind::Made => aimed_ray(&self.aim, radius, index),
             RayKind::Chords => chord(&scene, index),
         })

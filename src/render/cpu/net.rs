@@ -16,7 +16,7 @@ use super::ray_space::PrimitiveRay;
 use super::slab::{SlabHit, intersect_slab};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
-use crate::render::Exactness;
+use crate::render::{Exactness, NetSearch};
 use crate::scene::{Net, NetLeaf, Scene, bend_bound, point_side};
 use std::ops::Range;
 
@@ -87,6 +87,8 @@ pub struct LeafRay<'a, T> {
     pub slack: T,
     /// The leaf's.
     pub pole: Pole,
+    /// See [`NetSearch::newton_stop`].
+    pub newton_stop: T,
 }
 
 /// Unpacks a leaf's domain.
@@ -109,7 +111,7 @@ pub fn leaf_roots<T: Kernel>(
     ray: &PrimitiveRay<T>,
     near: T,
     far: T,
-    exactness: Exactness,
+    NetSearch { exactness, newton_stop }: NetSearch,
     slack: T,
 ) -> NetRoots<T> {
     let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], is_cut: false };
@@ -118,7 +120,8 @@ pub fn leaf_roots<T: Kernel>(
     };
     let domain = leaf_domain(leaf);
     let pole = leaf_pole(net, &domain);
-    let at = LeafRay { leaf, net, domain, ray: *ray, planes: ray_planes(ray), slack, pole };
+    let newton_stop = T::from_f32(newton_stop);
+    let at = LeafRay { leaf, net, domain, ray: *ray, planes: ray_planes(ray), slack, pole, newton_stop };
     if exactness == Exactness::Exact && !hit.unique && has_bend_bound(leaf) {
         isolate(scene, &at, &mut roots);
         return roots;
@@ -217,7 +220,8 @@ fn search<T: Kernel>(
     let mut uv = start;
     // Quadratic convergence: a step this small leaves its square. Near tangents steps halve, so they have to be smaller and may be as many as there
     // are bits, half of which a double root has.
-    let small = if unique { T::EPSILON.sqrt() } else { T::EPSILON.sqrt() * number(1.0 / 64.0) };
+    let stop = T::EPSILON.sqrt() * at.newton_stop;
+    let small = if unique { stop } else { stop * number(1.0 / 64.0) };
     let limit = if unique { MAX_UNIQUE_STEPS } else { T::TANGENT_STEPS };
     let mut converged = false;
     // The lowest point so far, what the planes have there, and the share of the damping.

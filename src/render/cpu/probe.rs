@@ -7,7 +7,7 @@ use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, NO_NET, Precision};
-use crate::render::{Exactness, Hit, Ray};
+use crate::render::{Exactness, Hit, NetSearch, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -19,36 +19,37 @@ pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: 
     probe_with(scene, rays, precision, first_only, Exactness::default())
 }
 
-/// [`probe`] with the exactness of choice.
+/// [`probe`] with the search of choice.
 pub fn probe_with(
     scene: &Scene<'_>,
     rays: &[Ray],
     precision: Precision,
     first_only: bool,
-    exactness: Exactness,
+    search: impl Into<NetSearch>,
 ) -> Vec<Vec<Hit>> {
+    let search = search.into();
     let exact = precision == Precision::F64 && scene.has_f64();
     rays.par_iter()
         .map(|ray| {
             if exact {
-                probe_ray::<f64>(scene, exactness, ray, first_only)
+                probe_ray::<f64>(scene, search, ray, first_only)
             } else {
-                probe_ray::<f32>(scene, exactness, ray, first_only)
+                probe_ray::<f32>(scene, search, ray, first_only)
             }
         })
         .collect()
 }
 
 /// The hits of one ray.
-fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, first_only: bool) -> Vec<Hit> {
+fn probe_ray<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_only: bool) -> Vec<Hit> {
     let Some(prepared) = prepare::<T>(ray, scene.header) else {
         return Vec::new();
     };
     let hits = if first_only {
-        let first = first_hit(scene, exactness, &prepared.ray, prepared.near);
+        let first = first_hit(scene, search, &prepared.ray, prepared.near);
         match first {
             Some(first) if !first.is_certain => {
-                let met = met_hits(scene, exactness, &prepared);
+                let met = met_hits(scene, search, &prepared);
                 // Of more hits than are kept the first may be missing.
                 let is_cut = met.len() == MAX_HITS;
                 let all = if is_cut { vec![first] } else { sort_and_merge(scene, &prepared, met) };
@@ -57,7 +58,7 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, firs
             first => first.into_iter().collect(),
         }
     } else {
-        sort_and_merge(scene, &prepared, met_hits(scene, exactness, &prepared))
+        sort_and_merge(scene, &prepared, met_hits(scene, search, &prepared))
     };
     hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
 }
@@ -65,11 +66,11 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, exactness: Exactness, ray: &Ray, firs
 /// All hits as they are met.
 pub fn met_hits<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: impl Into<NetSearch>,
     prepared: &PreparedRay<T>,
 ) -> Vec<RawHit<T>> {
     let mut hits: Vec<RawHit<T>> = Vec::new();
-    trace(scene, exactness, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
+    trace(scene, search, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
         hits.push(hit);
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });

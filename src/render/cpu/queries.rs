@@ -11,7 +11,7 @@ use super::trim::trim_counted;
 use super::trim::trim_inside;
 use super::trim_study::TrimCounts;
 use crate::render::{Exactness, Ray};
-use crate::scene::{Face, NetLeaf, Scene, TRIM_INSIDE};
+use crate::scene::{Face, Metadata, NetLeaf, Scene, TRIM_INSIDE};
 use rayon::prelude::*;
 
 /// Rays whose queries are gathered together.
@@ -29,10 +29,11 @@ pub struct TrimQuery {
     pub uv: [f32; 2],
 }
 
-/// The faces and leaves of a scene as if nothing were trimmed but to windows.
+/// The faces and leaves of a scene as if nothing were trimmed but to windows, and so no body closed.
 pub struct Untrimmed {
     faces: Vec<Face>,
     net_leaves: Vec<NetLeaf>,
+    metadata: Metadata,
 }
 
 impl Untrimmed {
@@ -40,14 +41,18 @@ impl Untrimmed {
     pub fn new(scene: &Scene<'_>) -> Self {
         let face = |face: &Face| Face { trim_root: TRIM_INSIDE, ..*face };
         let leaf = |leaf: &NetLeaf| NetLeaf { trim: TRIM_INSIDE, ..*leaf };
+        let mut metadata = scene.metadata.clone();
+        metadata.bodies.iter_mut().for_each(|body| body.is_closed = false);
         Self {
             faces: scene.faces.iter().map(face).collect(),
             net_leaves: scene.net_leaves.iter().map(leaf).collect(),
+            metadata,
         }
     }
 
-    fn scene<'a>(&'a self, scene: &Scene<'a>) -> Scene<'a> {
-        Scene { faces: &self.faces, net_leaves: &self.net_leaves, ..*scene }
+    /// The rest is that of `scene`, of which this was made.
+    pub fn scene<'a>(&'a self, scene: &Scene<'a>) -> Scene<'a> {
+        Scene { faces: &self.faces, net_leaves: &self.net_leaves, metadata: &self.metadata, ..*scene }
     }
 }
 

@@ -11,7 +11,7 @@ use super::ray_space::{
 };
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
-use crate::render::Exactness;
+use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
 
@@ -36,23 +36,23 @@ pub struct RawHit<T> {
 /// Pictures take it as it is, for it is off by the slack at most; whom that matters asks `is_certain`. Of equally near hits that of the lowest face, net and instance, whatever the order of the walk.
 pub fn first_hit<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: impl Into<NetSearch>,
     ray: &WorldRay<T>,
     near: Distance<T>,
 ) -> Option<RawHit<T>> {
-    first_hit_before(scene, exactness, ray, near, Distance::INFINITE)
+    first_hit_before(scene, search, ray, near, Distance::INFINITE)
 }
 
 /// The first hit between `near` and `far`.
 pub fn first_hit_before<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: impl Into<NetSearch>,
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
 ) -> Option<RawHit<T>> {
     let mut first: Option<RawHit<T>> = None;
-    trace(scene, exactness, ray, near, far, &mut |hit: RawHit<T>| {
+    trace(scene, search, ray, near, far, &mut |hit: RawHit<T>| {
         let best = match first {
             Some(best) if !comes_before(&hit, &best) => best,
             _ => hit,
@@ -76,12 +76,13 @@ pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
 /// stop.
 pub fn trace<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: impl Into<NetSearch>,
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
 ) {
+    let search = search.into();
     let step = number::<T>(scene.header.grid_step);
     let mut far = far;
     let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
@@ -94,7 +95,7 @@ pub fn trace<T: Kernel>(
         let Some(part_ray) = enter_instance(ray, &T::instance(scene, instance), step) else {
             continue;
         };
-        match trace_part(scene, exactness, &part_ray, instance, near, far, accept) {
+        match trace_part(scene, search, &part_ray, instance, near, far, accept) {
             Some(nearer) => far = nearer,
             None => return,
         }
@@ -104,7 +105,7 @@ pub fn trace<T: Kernel>(
 /// The hits of one instance; the new `far`, or `None` to stop.
 fn trace_part<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: NetSearch,
     ray: &PartRay<T>,
     instance: u32,
     near: Distance<T>,
@@ -122,7 +123,7 @@ fn trace_part<T: Kernel>(
         };
         far = match unpack(word) {
             Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept)?,
-            Primitive::NetLeaf(leaf) => trace_leaf(scene, exactness, ray, instance, leaf, near, far, accept)?,
+            Primitive::NetLeaf(leaf) => trace_leaf(scene, search, ray, instance, leaf, near, far, accept)?,
         };
     }
 }
@@ -177,7 +178,7 @@ fn trace_face<T: Kernel>(
 /// The hits of a net leaf.
 fn trace_leaf<T: Kernel>(
     scene: &Scene<'_>,
-    exactness: Exactness,
+    search: NetSearch,
     part_ray: &PartRay<T>,
     instance: u32,
     index: u32,
@@ -192,7 +193,7 @@ fn trace_leaf<T: Kernel>(
     let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
     let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
-    let roots = leaf_roots(scene, leaf, net, &ray, from, to, exactness, number(face.slack.into()));
+    let roots = leaf_roots(scene, leaf, net, &ray, from, to, search, number(face.slack.into()));
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };

@@ -48,6 +48,10 @@ pub struct ExpectedHit {
     pub size: f64,
     /// |cos| of the angle between the ray and the normal.
     pub facing: f64,
+    /// Millimetres per unit of each of the hit's surface parameters.
+    pub lengths: [f64; 2],
+    /// After which the surface parameters say the same again; 0: never.
+    pub period: [f64; 2],
 }
 
 /// A scene that has its f64 arrays, made ready.
@@ -81,6 +85,8 @@ struct Candidate {
     raw: RawHit<f64>,
     size: f64,
     facing: f64,
+    /// Millimetres per normalised unit of the face's parameters.
+    lengths: [f64; 2],
     front: bool,
     /// On the border of a net: a hit only if the net next to it has it too.
     on_border: bool,
@@ -105,6 +111,11 @@ impl<'a> Reference<'a> {
         Self { scene, parts }
     }
 
+    /// The scene that it traces.
+    pub fn scene(&self) -> &Scene<'a> {
+        &self.scene
+    }
+
     /// The hits of a ray by distance, or `None` where they are not certain. The ray has to start outside the scene's sphere.
     pub fn trace(&self, ray: &Ray) -> Option<Vec<ExpectedHit>> {
         let header = self.scene.header;
@@ -126,10 +137,16 @@ impl<'a> Reference<'a> {
         if !self.leaves_as_often_as_it_enters(&kept) {
             return None;
         }
-        let expected = |c: &Candidate| ExpectedHit {
-            hit: finish_hit(&self.scene, &c.raw, prepared.start),
-            size: c.size,
-            facing: c.facing,
+        let expected = |c: &Candidate| {
+            let face = c.raw.face as usize;
+            let unit = self.scene.metadata.faces[face].uv_size;
+            ExpectedHit {
+                hit: finish_hit(&self.scene, &c.raw, prepared.start),
+                size: c.size,
+                facing: c.facing,
+                lengths: [0, 1].map(|k| c.lengths[k] / unit[k]),
+                period: [0, 1].map(|k| f64::from(self.scene.faces[face].period[k]) * unit[k]),
+            }
         };
         Some(kept.iter().map(expected).collect())
     }
@@ -184,7 +201,8 @@ impl<'a> Reference<'a> {
                 let distance = Distance { anchor: ray.anchor, offset: roots.t[i] };
                 let raw = RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain: true };
                 let (facing, front) = (normal.abs(), normal < 0.0);
-                found.push(Candidate { raw, size, facing, front, on_border: false });
+                let lengths = [0, 1].map(|k| lengths[k] / face.uv_scale[k].abs());
+                found.push(Candidate { raw, size, facing, lengths, front, on_border: false });
             }
         }
         Some(())
@@ -241,7 +259,8 @@ impl<'a> Reference<'a> {
                 let near_end = |k: usize| uv[k] < margins[k] || uv[k] > 1.0 - margins[k];
                 let raw = RawHit { distance, instance, face: net.face, net: index, uv, is_certain: true };
                 let (facing, front, on_border) = (normal.abs(), normal < 0.0, near_end(0) || near_end(1));
-                found.push(Candidate { raw, size, facing, front, on_border });
+                let lengths = [0, 1].map(|k| [by_u, by_v][k].length() / f64::from(net.uv_size[k]));
+                found.push(Candidate { raw, size, facing, lengths, front, on_border });
             }
         }
         Some(())
