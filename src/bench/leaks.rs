@@ -24,6 +24,8 @@ pub struct Leaks {
     pub odd: u64,
     /// Those that were odd before hits were left out to make them even.
     pub odd_before: u64,
+    /// Rays whose answer is that of a ray beside them, for their own is odd.
+    pub beside: u64,
     /// Hits left out.
     pub left_out: u64,
     /// Rays with two hits at one place of a body and from one side: even, but not right.
@@ -125,10 +127,11 @@ fn count_odd(
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         for (ray, choice) in rays.iter().zip(choices(scene, &rays, precision)) {
-            let Choice { places, hits, is_repeated } = choice;
+            let Choice { places, hits, is_repeated, is_beside } = choice;
             leaks.odd += (hits % 2) as u64;
             leaks.odd_before += (places % 2) as u64;
-            leaks.left_out += (places - hits) as u64;
+            leaks.left_out += places.saturating_sub(hits) as u64;
+            leaks.beside += u64::from(is_beside);
             leaks.repeated += u64::from(is_repeated);
             if hits % 2 == 1 && leaks.shown.len() < show {
                 leaks.shown.push(*ray);

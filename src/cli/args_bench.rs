@@ -154,7 +154,8 @@ pub(super) struct BenchWork {
 /// Half of the rays are chords of the scene's bounding sphere, half pass by edges at 1e-9 to 1e-3 of the scene's size. `closed` says whether the
 /// model is made of whole solids alone; where it is not, odd rays are no fault. Rates are upper bounds at 95 %. Near edges and tangents more hits are
 /// found than a body can have: `before` counts the rays that are odd before the fewest hits are left out that make them even, `left out` those
-/// hits, and `repeated` the rays that keep two hits at one place and from one side.
+/// hits, `repeated` the rays that keep two hits at one place and from one side, and `beside` those that stay odd and are answered by a ray
+/// moved aside, by a millionth to a 4,096th of the scene's radius.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -185,7 +186,7 @@ pub(super) struct BenchLeaks {
 ///
 /// Each scene is traced with rays made for it (near tangents, past slivers, through edges, from afar) and with chords of its sphere. Only rays
 /// of which the reference is certain are compared; odd rays are counted on closed solids. The scenes called same-… are traced again moved,
-/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, where all hits have to stay within 1e-6 of the
+/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, and started again at each of their hits (`restart`), where all hits have to stay within 1e-6 of the
 /// scene's size in f32 and 1e-12 in f64. Rates are upper bounds at 95 %.
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -27,6 +27,7 @@ struct Count {
     odd: u64,
     bound: f64,
     odd_before: u64,
+    beside: u64,
     left_out: u64,
     repeated: u64,
     /// Origins and directions of some odd rays.
@@ -37,18 +38,18 @@ struct Count {
 impl From<&Leaks> for Count {
     fn from(leaks: &Leaks) -> Self {
         let shown = leaks.shown.iter().copied().map(ray_numbers).collect();
-        let Leaks { rays, odd, odd_before, left_out, repeated, .. } = *leaks;
-        Self { rays, odd, bound: leaks.bound(), odd_before, left_out, repeated, shown }
+        let Leaks { rays, odd, odd_before, beside, left_out, repeated, .. } = *leaks;
+        Self { rays, odd, bound: leaks.bound(), odd_before, beside, left_out, repeated, shown }
     }
 }
 
 /// The head of [`columns`].
-const HEAD: &str = "       kind        rays   odd    rate <    before  left out  repeated";
+const HEAD: &str = "       kind        rays   odd    rate <    before  left out  repeated  beside";
 
 fn columns(kind: &str, leaks: &Leaks) -> String {
-    let Leaks { rays, odd, odd_before, left_out, repeated, .. } = *leaks;
+    let Leaks { rays, odd, odd_before, beside, left_out, repeated, .. } = *leaks;
     let bound = rate_text(rays, leaks.bound());
-    format!("{kind:>11}{rays:>12}{odd:>6}{bound:>10}{odd_before:>10}{left_out:>10}{repeated:>10}")
+    format!("{kind:>11}{rays:>12}{odd:>6}{bound:>10}{odd_before:>10}{left_out:>10}{repeated:>10}{beside:>8}")
 }
 
 pub(super) fn run(command: &BenchLeaks) -> anyhow::Result<()> {

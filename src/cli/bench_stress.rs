@@ -2,7 +2,9 @@
 
 use super::args_bench::BenchStress;
 use super::bench::{precisions, rate_text, ray_numbers};
-use crate::bench::stress::{Change, RayKind, SUBJECTS, Sameness, StressScene, cases, measure_sameness};
+use crate::bench::stress::{
+    RayKind, SUBJECTS, Sameness, StressScene, cases, measure_restarts, measure_sameness,
+};
 use crate::bench::{Accuracy, rate_bound};
 use crate::render::cpu::Precision;
 use crate::render::{Hit, Ray};
@@ -102,10 +104,16 @@ pub(super) fn run(command: &BenchStress) -> anyhow::Result<()> {
         )?;
     }
     for subject in subjects {
-        for change in subject.changes() {
+        for change in subject.changes().map(Some).chain([None]) {
             for (precision, kind) in precisions.clone() {
-                let found = measure_sameness(subject, change, kind, command.first, command.rays);
-                let line = same_line(subject.name, change, precision, &found);
+                let (name, found) = match change {
+                    Some(change) => {
+                        let found = measure_sameness(subject, change, kind, command.first, command.rays);
+                        (change.name(), found)
+                    }
+                    None => ("restart", measure_restarts(subject, kind, command.first, command.rays)),
+                };
+                let line = same_line(subject.name, name, precision, &found);
                 if command.json { write_json(&mut out, &line)? } else { write_same_row(&mut out, &line)? }
             }
         }
@@ -166,11 +174,16 @@ fn line<'a>(
     }
 }
 
-fn same_line<'a>(name: &'a str, change: Change, precision: &'static str, found: &Sameness) -> SameLine<'a> {
+fn same_line<'a>(
+    name: &'a str,
+    change: &'static str,
+    precision: &'static str,
+    found: &Sameness,
+) -> SameLine<'a> {
     let Sameness { rays, certain, hits, different, apart, greatest, wrong } = *found;
     SameLine {
         scene: name,
-        change: change.name(),
+        change,
         precision,
         traced: rays,
         certain,

@@ -9,12 +9,14 @@ mod change;
 mod draft;
 mod nets;
 mod places;
+mod restart;
 mod sameness;
 #[cfg(test)]
 mod tests;
 mod trims;
 
 pub use change::Change;
+pub use restart::measure_restarts;
 pub use sameness::{SUBJECTS, Sameness, Subject, measure_sameness};
 
 use self::aim::{Aim, aimed_ray};

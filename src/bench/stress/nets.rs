@@ -25,6 +25,8 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "degree-15-rational", build: || grazed(&[rational_of_degree(15)]) },
     Case { name: "degree-20", build: || single(of_degree(20)) },
     Case { name: "degree-25", build: || single(of_degree(25)) },
+    Case { name: "degree-25-rational", build: || grazed(&[rational_of_degree(25)]) },
+    Case { name: "zero-area", build: zero_area },
     Case { name: "chebyshev", build: || single(chebyshev()) },
     Case { name: "crowded-knots", build: || single(crowded_knots()) },
     Case { name: "pole", build: || single(pole()) },
@@ -68,6 +70,19 @@ fn grazed(sheets: &[BsplineSurface]) -> Stress {
     Stress { model: draft.finished(), aim: Aim::Grazing(windows) }
 }
 
+/// A face without area, all of whose points lie on a line, above a sheet.
+fn zero_area() -> Stress {
+    let line = |s: f64, t: f64| DVec3::new(2.0 + 6.0 * (0.25 * s + 0.75 * t), 5.0, 4.0);
+    let line = net([3, 2], [knots(3, &[]), knots(2, &[])], line, |_, _| 1.0);
+    let mut draft = Draft::default();
+    let mut points = Vec::new();
+    for sheet in [wavy(0.0), line].map(Surface::Bspline) {
+        points.extend(iso_points(&sheet, 8, 64));
+        draft.sheet(sheet, vec![]);
+    }
+    Stress { model: draft.finished(), aim: Aim::Past(points) }
+}
+
 /// A sheet with rays past points of its sides, its middle lines and others between.
 fn single(surface: BsplineSurface) -> Stress {
     let points = iso_points(&Surface::Bspline(surface.clone()), 8, 64);
@@ -97,7 +112,7 @@ fn of_degree(degree: usize) -> BsplineSurface {
     waves_of_degree(degree, |_, _| 1.0)
 }
 
-/// With more control points than products of derivatives are made of.
+/// With more control points than products of derivatives are made of at 15, and ten times those at 25.
 fn rational_of_degree(degree: usize) -> BsplineSurface {
     waves_of_degree(degree, |i, j| 1.0 + 0.25 * ((i + 2 * j) % 3) as f64)
 }

@@ -39,7 +39,7 @@ pub const SUBJECTS: &[Subject] = &[
 ];
 
 /// Of the scene's size, across the surface: how far hits of one shape may be apart.
-fn limit(precision: Precision) -> f64 {
+pub(super) fn limit(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => 1e-6,
         Precision::F64 => 1e-12,
@@ -65,8 +65,7 @@ pub struct Sameness {
     pub wrong: Option<Ray>,
 }
 
-/// Traces `count` rays, from number `first` on, in a model and in its changed form: half of them chords, half past edges (chords alone where
-/// it has no edges).
+/// Traces `count` rays, from number `first` on, in a model and in its changed form.
 pub fn measure_sameness(
     subject: &Subject,
     change: Change,
@@ -75,19 +74,25 @@ pub fn measure_sameness(
     count: u64,
 ) -> Sameness {
     let model = (subject.build)();
-    let points = edge_points(&model);
     let base = baked(&model);
-    let changed = baked(&change.applied(model));
     let scene = base.scene();
+    let rays = sameness_rays(&scene, &model, first, count);
+    let changed = baked(&change.applied(model));
+    compare(&scene, &changed.scene(), &rays, &change.placement(), precision)
+}
+
+/// Half of them chords, half past edges; chords alone where the model has no edges.
+pub(super) fn sameness_rays(scene: &Scene<'_>, model: &Model, first: u64, count: u64) -> Vec<Ray> {
+    let points = edge_points(model);
+    let (has_edges, past) = (!points.is_empty(), Aim::Past(points));
     let ray = |index: u64| {
-        if index.is_multiple_of(2) || points.is_empty() {
-            chord(&scene, index)
+        if index.is_multiple_of(2) || !has_edges {
+            chord(scene, index)
         } else {
-            aimed_ray(&Aim::Past(points.clone()), scene_radius(&scene), index)
+            aimed_ray(&past, scene_radius(scene), index)
         }
     };
-    let rays: Vec<Ray> = (first..first + count).map(ray).collect();
-    compare(&scene, &changed.scene(), &rays, &change.placement(), precision)
+    (first..first + count).map(ray).collect()
 }
 
 /// The rays' hits in `scene` and, moved by `placement`, in `changed`.

@@ -56,6 +56,18 @@ fn other_forms_have_the_same_hits() {
     }
 }
 
+#[test]
+fn what_starts_on_a_surface_meets_what_lies_beyond() {
+    for subject in SUBJECTS {
+        for precision in [Precision::F32, Precision::F64] {
+            let found = measure_restarts(subject, precision, 0, 4 * RAYS);
+            eprintln!("{} {precision:?}: {found:?}", subject.name);
+            assert!(found.hits > 5, "{}", subject.name);
+            assert_eq!((found.different, found.apart), (0, 0), "{} {precision:?}", subject.name);
+        }
+    }
+}
+
 /// At the apex of a cone there is no telling what a ray meets; beside it there is.
 #[test]
 fn nothing_is_certain_of_an_apex() {

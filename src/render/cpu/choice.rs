@@ -1,8 +1,9 @@
 //! What becomes of the hits of a ray on their way to its answer, for the benches: an even number of hits alone does not say that they are right.
 
+use super::beside::{Settled, settle};
 use super::footprint::{LONGEST, same_place};
 use super::hit::world_slack;
-use super::parity::{Crossing, consistent};
+use super::parity::Crossing;
 use super::probe::{met_hits, places};
 use super::ray_space::prepare;
 use super::vector::number;
@@ -20,6 +21,8 @@ pub struct Choice {
     pub hits: usize,
     /// Whether two of those are at one place of a body and from one side.
     pub is_repeated: bool,
+    /// Whether the answer is that of a ray beside it.
+    pub is_beside: bool,
 }
 
 /// The counts of each ray, with the default exactness.
@@ -35,10 +38,9 @@ fn choice<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Choice {
         return Choice::default();
     };
     let met = met_hits(scene, Exactness::default(), &prepared);
-    let crossings = places(scene, &prepared, met);
-    let places = crossings.len();
-    let kept = consistent(scene, prepared.starts_outside, crossings);
-    Choice { places, hits: kept.len(), is_repeated: is_repeated(scene, &kept) }
+    let places = places(scene, &prepared, met.clone()).len();
+    let Settled { crossings, is_beside } = settle(scene, Exactness::default(), &prepared, met);
+    Choice { places, hits: crossings.len(), is_repeated: is_repeated(scene, &crossings), is_beside }
 }
 
 fn is_repeated<T: Kernel>(scene: &Scene<'_>, hits: &[Crossing<T>]) -> bool {

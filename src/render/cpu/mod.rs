@@ -11,6 +11,7 @@
 pub(super) mod adaptive;
 pub(super) mod analytic;
 pub(super) mod bernstein;
+mod beside;
 pub(super) mod bsdf;
 pub(super) mod bvh;
 pub(super) mod camera;
@@ -26,7 +27,7 @@ mod isolate;
 pub(super) mod light;
 mod net;
 mod occlusion;
-mod parity;
+pub(super) mod parity;
 pub(super) mod path;
 mod paths;
 pub(super) mod pixels;

@@ -10,6 +10,7 @@ use super::hit::world_slack;
 use super::trace::RawHit;
 use super::vector::number;
 use crate::scene::Scene;
+use smallvec::SmallVec;
 
 /// How many times a ray may enter a body before it leaves.
 const DEEPEST: usize = 8;
@@ -47,6 +48,15 @@ pub fn consistent<T: Kernel>(
         of_body.iter().zip(stays).for_each(|(&index, stays)| kept[index] = stays);
     }
     crossings.into_iter().zip(kept).filter_map(|(crossing, stays)| stays.then_some(crossing)).collect()
+}
+
+/// Whether each closed body has an even number of the hits, given by instance and face, as it has of those of a ray from outside.
+pub fn leaves_as_often_as_it_enters(scene: &Scene<'_>, hits: impl Iterator<Item = (u32, u32)>) -> bool {
+    let of_body = |(instance, face): (u32, u32)| (instance, scene.faces[face as usize].body);
+    let mut bodies: SmallVec<[(u32, u32); 16]> = hits.map(of_body).collect();
+    bodies.sort_unstable();
+    let is_closed = |body: u32| scene.metadata.bodies[body as usize].is_closed;
+    bodies.chunk_by(|a, b| a == b).all(|of_body| of_body.len() % 2 == 0 || !is_closed(of_body[0].1))
 }
 
 /// Which hits stay so that the ray leaves as often as it enters; `None` where the certain ones do not.

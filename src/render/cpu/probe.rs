@@ -1,8 +1,9 @@
 //! Batches of rays to hits.
 
+use super::beside::settle;
 use super::footprint::{LONGEST, same_place};
 use super::hit::{finish_hit, hit_normal, world_slack};
-use super::parity::{Crossing, consistent};
+use super::parity::Crossing;
 use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
@@ -12,7 +13,7 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 
 /// Hits kept per ray: more than any model has, little enough to bound memory.
-const MAX_HITS: usize = 1 << 16;
+pub const MAX_HITS: usize = 1 << 16;
 
 /// All hits of each ray, sorted by t; or only the first of each, which is the first of all. In f32 where the scene has no f64 arrays.
 pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
@@ -52,15 +53,25 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_o
                 let met = met_hits(scene, search, &prepared);
                 // Of more hits than are kept the first may be missing.
                 let is_cut = met.len() == MAX_HITS;
-                let all = if is_cut { vec![first] } else { sort_and_merge(scene, &prepared, met) };
+                let all = if is_cut { vec![first] } else { settled(scene, search, &prepared, met) };
                 all.into_iter().take(1).collect()
             }
             first => first.into_iter().collect(),
         }
     } else {
-        sort_and_merge(scene, &prepared, met_hits(scene, search, &prepared))
+        settled(scene, search, &prepared, met_hits(scene, search, &prepared))
     };
     hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
+}
+
+/// The hits of the answer, of all that were met.
+pub fn settled<T: Kernel>(
+    scene: &Scene<'_>,
+    search: impl Into<NetSearch>,
+    prepared: &PreparedRay<T>,
+    met: Vec<RawHit<T>>,
+) -> Vec<RawHit<T>> {
+    settle(scene, search, prepared, met).crossings.into_iter().map(|crossing| crossing.hit).collect()
 }
 
 /// All hits as they are met.
@@ -78,17 +89,6 @@ pub fn met_hits<T: Kernel>(
         hits.iter_mut().for_each(|hit| hit.is_certain = false);
     }
     hits
-}
-
-/// Sorts hits and leaves each once, and those alone that the bodies can have.
-pub fn sort_and_merge<T: Kernel>(
-    scene: &Scene<'_>,
-    prepared: &PreparedRay<T>,
-    hits: Vec<RawHit<T>>,
-) -> Vec<RawHit<T>> {
-    let crossings = places(scene, prepared, hits);
-    let hits = consistent(scene, prepared.starts_outside, crossings);
-    hits.into_iter().map(|crossing| crossing.hit).collect()
 }
 
 /// Sorts hits and leaves one for each place where the ray passes a face from one side.

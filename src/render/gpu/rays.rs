@@ -7,7 +7,7 @@
 use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::hit::finish_hit;
-use crate::render::cpu::probe::sort_and_merge;
+use crate::render::cpu::probe::settled;
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
 use crate::render::cpu::trace::RawHit;
 use crate::render::cpu::{self, NO_NET};
@@ -186,7 +186,11 @@ impl Gpu {
             if count > ray.slots {
                 raw.iter_mut().for_each(|hit| hit.is_certain = false);
             }
-            let hits = if wanted.first_only { raw } else { sort_and_merge(&scene.scene, &ray.prepared, raw) };
+            let hits = if wanted.first_only {
+                raw
+            } else {
+                settled(&scene.scene, wanted.exactness, &ray.prepared, raw)
+            };
             let finish = |hit| finish_hit(&scene.scene, hit, ray.prepared.start);
             answers.hits[ray.index] = hits.iter().map(finish).collect();
         }

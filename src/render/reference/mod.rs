@@ -17,6 +17,7 @@ use super::cpu::bernstein::{net_degrees, net_jet};
 use super::cpu::cover::to_window;
 use super::cpu::frames::{FaceFrame, Kernel};
 use super::cpu::hit::finish_hit;
+use super::cpu::parity::leaves_as_often_as_it_enters;
 use super::cpu::ray_space::{
     Distance, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
 };
@@ -134,7 +135,8 @@ impl<'a> Reference<'a> {
         }
         found.sort_by(|a, b| a.raw.distance.to_f64().total_cmp(&b.raw.distance.to_f64()));
         let kept = merge_borders(found)?;
-        if !self.leaves_as_often_as_it_enters(&kept) {
+        let of_bodies = kept.iter().map(|c| (c.raw.instance, c.raw.face));
+        if !leaves_as_often_as_it_enters(&self.scene, of_bodies) {
             return None;
         }
         let expected = |c: &Candidate| {
@@ -268,15 +270,6 @@ impl<'a> Reference<'a> {
 }
 
 impl Reference<'_> {
-    /// Whether each closed body has an even number of the hits, as it has of those of a ray from outside.
-    fn leaves_as_often_as_it_enters(&self, hits: &[Candidate]) -> bool {
-        let body = |hit: &Candidate| (hit.raw.instance, self.scene.faces[hit.raw.face as usize].body);
-        let mut bodies: Vec<(u32, u32)> = hits.iter().map(body).collect();
-        bodies.sort_unstable();
-        let is_closed = |body: u32| self.scene.metadata.bodies[body as usize].is_closed;
-        bodies.chunk_by(|a, b| a == b).all(|of_body| of_body.len() % 2 == 0 || !is_closed(of_body[0].1))
-    }
-
     /// Whether wrapped normalised parameters belong to a face.
     fn is_on_face(&self, face: u32, uv: [f64; 2]) -> bool {
         let root = self.scene.faces[face as usize].trim_root;
