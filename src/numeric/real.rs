@@ -46,9 +46,9 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// The angle of the point `(x, self)`, in (−π, π].
     fn atan2(self, x: Self) -> Self;
-    /// The lesser; the other one where one is not a number.
+    /// The lesser; `other` where one is not a number.
     fn min(self, other: Self) -> Self;
-    /// The greater; the other one where one is not a number.
+    /// The greater; `other` where one is not a number.
     fn max(self, other: Self) -> Self;
     /// `self · a + b`, rounded once.
     fn mul_add(self, a: Self, b: Self) -> Self;
@@ -102,11 +102,11 @@ macro_rules! impl_real {
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {
-                $t::min(self, other)
+                if self < other { self } else { other }
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                $t::max(self, other)
+                if self > other { self } else { other }
             }
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {

@@ -107,6 +107,7 @@ impl TrimMethod {
     }
 
     /// 1 to 31.
+    #[inline]
     pub const fn number(self) -> u32 {
         self.0 as u32
     }

@@ -102,7 +102,7 @@ fn flat_slab<T: Real>(
         return None;
     }
     let chord = (under_root / dd).sqrt();
-    let (enter, leave) = (near.max(middle - chord), far.min(middle + chord));
+    let (enter, leave) = ((middle - chord).max(near), (middle + chord).min(far));
     let zero = Vector3::default();
     (enter <= leave).then_some(SlabHit { at: zero, along: zero, enter, leave, unique: false, flat: true })
 }
@@ -118,8 +118,9 @@ fn cut<T: Real>(at: T, along: T, reach: T, enter: &mut T, leave: &mut T) {
     }
     let inverse = T::ONE / along;
     let (first, second) = ((-reach - at) * inverse, (reach - at) * inverse);
-    *enter = enter.max(first.min(second));
-    *leave = leave.min(first.max(second));
+    // What is no number clips nothing.
+    *enter = first.min(second).max(*enter);
+    *leave = first.max(second).min(*leave);
 }
 
 /// E_α, E_β, E_γ; infinite where there is no bound.

@@ -100,8 +100,9 @@ fn clip_to_slab<T: Real>(from: &mut T, to: &mut T, z: T, dz: T, half: T) {
         return;
     }
     let (a, b) = ((-half - z) / dz, (half - z) / dz);
-    *from = from.max(a.min(b));
-    *to = to.min(a.max(b));
+    // What is no number clips nothing.
+    *from = a.min(b).max(*from);
+    *to = a.max(b).min(*to);
 }
 
 fn value<T: Real>(q: &Quartic<T>, t: T) -> T {

@@ -106,7 +106,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
             let cells = 1_u32 << levels[axis];
             let scale = T::from_f32(cells as f32);
             let scaled = self.uv[axis] * scale;
-            index[axis] = scaled.to_u32().min(cells - 1);
+            index[axis] = scaled.to_u32();
             if NEAR {
                 let within = scaled - T::from_f32(index[axis] as f32);
                 let reach = self.extent[axis] * scale;
