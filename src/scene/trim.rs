@@ -228,6 +228,18 @@ pub mod trim_word {
         }
     }
 
+    /// The state of a cell without segments: what [`unpack`] would say, of which most queries need no more.
+    #[inline(always)]
+    pub const fn uniform(word: u32) -> Option<bool> {
+        if word >= 0b100 << 29 && word < 0b101 << 29 { Some(word & 1 << 28 != 0) } else { None }
+    }
+
+    /// The offset of a tree.
+    #[inline(always)]
+    pub const fn tree(word: u32) -> Option<u32> {
+        if word >= 0b111 << 29 { Some(word & MAX_OFFSET) } else { None }
+    }
+
     /// Where a plane stands.
     #[inline(always)]
     pub fn position(plane: u32) -> f32 {
@@ -250,6 +262,12 @@ pub mod trim_word {
     pub const fn grid(levels: [u32; 2]) -> u32 {
         assert!(levels[0] <= MAX_GRID_LEVEL && levels[1] <= MAX_GRID_LEVEL);
         levels[0] | levels[1] << 4
+    }
+
+    /// `2^level`, from the bits of its exponent.
+    #[inline(always)]
+    pub const fn grid_cells(level: u32) -> f32 {
+        f32::from_bits((127 + level) << 23)
     }
 
     /// log2 of the number of cells along u and v.

@@ -102,6 +102,7 @@ impl TrimMethod {
     }
 
     /// The method of a number, 1 to 31.
+    #[inline]
     pub fn from_number(number: u32) -> Option<Self> {
         (1..=31).contains(&number).then_some(Self(number as u8))
     }

@@ -3,12 +3,14 @@
 //! The layout and the parity rule are those of [`crate::scene::trim_word`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
 //! between its ends decides points beside it, and its band nearly all others; what is left needs the curve (`trim_curve`).
 
-use super::trim_curve::is_right_of_curve;
+use super::trim_curve::{ExactTest, is_right_of_curve};
 use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::BEFORE_ONE;
-use crate::scene::trim_word::{FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack};
+use crate::scene::trim_word::{
+    FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_cells, grid_levels, position, tree, uniform, unpack,
+};
 use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
 /// Levels of a kd-tree: planes lie on a grid of 14 bits per axis.
@@ -53,8 +55,11 @@ fn trim<T: Real, const NEAR: bool, const COUNT: bool>(
         return TrimPoint { inside: true, is_near: false };
     }
     if scene.header.trim_method < TrimMethod::PACKED.number() {
-        let inside = TrimMethod::from_number(scene.header.trim_method)
-            .is_some_and(|method| study_inside::<T, COUNT>(scene, method, root, uv, counts));
+        let inside = TrimMethod::from_number(scene.header.trim_method).is_some_and(|method| match COUNT {
+            true => study_inside::<T, true>(scene, method, root, uv, counts),
+            // Counts that live here alone, so that other queries need not make any.
+            false => study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default()),
+        });
         return TrimPoint { inside, is_near: false };
     }
     // Pieces along the window's far borders are in no cell: a point on them is decided just before.
@@ -76,7 +81,11 @@ struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
 impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     #[inline(always)]
     fn inside(&self, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
-        match self.trim_cell(is_near, counts) {
+        let word = self.trim_cell(is_near, counts);
+        if let Some(inside) = uniform(word) {
+            return inside;
+        }
+        match unpack(word) {
             TrimWord::Uniform { inside } => inside,
             TrimWord::One { corner, toggles, segment } => {
                 corner ^ self.flips(toggles, segment, is_near, counts)
@@ -96,15 +105,14 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         }
     }
 
-    /// The cell that the point lies in.
+    /// The word of the cell that the point lies in.
     #[inline(always)]
-    fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> TrimWord {
+    fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> u32 {
         let words = self.scene.trim_nodes;
         let levels = grid_levels(words[self.root]);
         let mut index = [0; 2];
         for axis in 0..2 {
-            let cells = 1_u32 << levels[axis];
-            let scale = T::from_f32(cells as f32);
+            let scale = T::from_f32(grid_cells(levels[axis]));
             let scaled = self.uv[axis] * scale;
             index[axis] = scaled.to_u32();
             if NEAR {
@@ -116,20 +124,20 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         if COUNT {
             counts.steps += 1;
         }
-        let mut word =
-            unpack(words[self.root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize]);
-        let TrimWord::Tree { offset } = word else { return word };
+        let mut word = words[self.root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize];
+        let Some(offset) = tree(word) else { return word };
         let mut at = self.root + offset as usize;
-        word = unpack(words[at]);
+        word = words[at];
         for _ in 0..MAX_LEVELS {
             if COUNT {
                 counts.steps += 1;
             }
-            let TrimWord::Inner { axis, plane, right } = word else { break };
-            let axis = axis as usize;
-            let beyond = self.uv[axis] - T::from_f32(position(plane));
+            let TrimWord::Inner { axis, plane, right } = unpack(word) else { break };
+            // No index: what is indexed lies in memory, for every query.
+            let along = |pair: [T; 2]| if axis == 0 { pair[0] } else { pair[1] };
+            let beyond = along(self.uv) - T::from_f32(position(plane));
             if NEAR {
-                *is_near |= beyond.abs() <= self.extent[axis];
+                *is_near |= beyond.abs() <= along(self.extent);
             }
             let is_right = !(beyond < T::ZERO);
             at += if right == FAR {
@@ -139,7 +147,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
             } else {
                 1
             };
-            word = unpack(words[at]);
+            word = words[at];
         }
         word
     }
@@ -210,43 +218,48 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         let beyond = y - size_y * band_middle(&band, (x / size_x).max(T::ZERO).min(T::ONE));
         let by_band = (beyond > T::ZERO) == (band.by_v || size[0] < T::ZERO);
         let is_decided = beyond.abs() > size_y.abs() * T::from_f32(band.half_width);
-        if is_decided { by_band } else { self.is_right_of_segment(segment, uv, by_band, counts) }
-    }
-
-    /// [`Self::is_right`] by the segment itself; `by_band` is what the middle of its band says.
-    #[cold]
-    #[inline(never)]
-    fn is_right_of_segment(
-        &self,
-        segment: &TrimSegment,
-        uv: [T; 2],
-        by_band: bool,
-        counts: &mut TrimCounts,
-    ) -> bool {
-        let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
-        if uv[0] >= low[0].max(high[0]) {
-            return true;
-        }
-        if uv[0] < low[0].min(high[0]) {
-            return false;
-        }
-        // At its own ends the segment is known to the last bit, while a curve that is level there finds no u.
-        if uv[1] <= low[1] {
-            return uv[0] >= low[0];
-        }
-        if uv[1] >= high[1] {
-            return uv[0] >= high[0];
-        }
-        if segment.degree() == 0 {
+        if is_decided {
             return by_band;
         }
-        if segment.degree() == 1 {
-            return (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0]);
-        }
-        if COUNT {
+        let exact = is_right_of_segment(&self.scene.trim_nodes[self.root..], segment, uv, by_band);
+        if COUNT && let Some(evaluations) = exact.evaluations {
             counts.exact_tests += 1;
+            counts.evaluations += u64::from(evaluations);
         }
-        is_right_of_curve(&self.scene.trim_nodes[self.root..], segment, uv, &mut counts.evaluations)
+        exact.is_right
+    }
+}
+
+/// Whether a segment passes left of a point, by the segment itself; `by_band` is what the middle of its band says. All by value: what is passed by reference
+/// would be written to memory by every query that does not come here.
+#[cold]
+#[inline(never)]
+fn is_right_of_segment<T: Real>(
+    words: &[u32],
+    segment: &TrimSegment,
+    uv: [T; 2],
+    by_band: bool,
+) -> ExactTest {
+    let (low, high): ([T; 2], [T; 2]) = (pair(segment.low), pair(segment.high));
+    if uv[0] >= low[0].max(high[0]) {
+        return ExactTest::by_ends(true);
+    }
+    if uv[0] < low[0].min(high[0]) {
+        return ExactTest::by_ends(false);
+    }
+    // At its own ends the segment is known to the last bit, while a curve that is level there finds no u.
+    if uv[1] <= low[1] {
+        return ExactTest::by_ends(uv[0] >= low[0]);
+    }
+    if uv[1] >= high[1] {
+        return ExactTest::by_ends(uv[0] >= high[0]);
+    }
+    match segment.degree() {
+        0 => ExactTest::by_ends(by_band),
+        1 => {
+            ExactTest::by_ends((uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0]))
+        }
+        _ => is_right_of_curve(words, segment, uv),
     }
 }
 

@@ -7,17 +7,28 @@ use crate::scene::TrimSegment;
 /// Steps of the search: bisections enough for f64's 52 bits, and as many secant steps between.
 const MAX_CURVE_STEPS: usize = 104;
 
+/// What a segment says of a point when its band does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExactTest {
+    /// Whether it passes left of the point.
+    pub is_right: bool,
+    /// Curve points evaluated; `None` where no curve was asked.
+    pub evaluations: Option<u32>,
+}
+
+impl ExactTest {
+    /// Without a curve.
+    pub fn by_ends(is_right: bool) -> Self {
+        Self { is_right, evaluations: None }
+    }
+}
+
 /// Whether the curve of `segment`, of degree 2 or more, passes left of `uv`, whose v lies between the segment's ends.
 ///
 /// Each evaluated point narrows the box in which the curve passes the height, and the search ends as soon as the point is outside of it
 /// (Schollmeyer and Fröhlich 2009). They bisect; here bisections alternate with secants, as the points that come this far lie near the curve.
-/// `evaluations` counts them. `words` are those of the face from its root.
-pub fn is_right_of_curve<T: Real>(
-    words: &[u32],
-    segment: &TrimSegment,
-    uv: [T; 2],
-    evaluations: &mut u64,
-) -> bool {
+/// `words` are those of the face from its root.
+pub fn is_right_of_curve<T: Real>(words: &[u32], segment: &TrimSegment, uv: [T; 2]) -> ExactTest {
     let curve = Curve {
         words: &words[(segment.curve & TrimSegment::OFFSET_MASK) as usize..],
         degree: segment.degree(),
@@ -30,16 +41,20 @@ pub fn is_right_of_curve<T: Real>(
     let (mut t_low, mut t_high) = if falls { (T::ONE, T::ZERO) } else { (T::ZERO, T::ONE) };
     let end = |is_last: bool| curve.control_point::<T>(if is_last { curve.degree } else { 0 })[1];
     let (mut v_low, mut v_high) = (end(falls), end(!falls));
+    let answer =
+        |is_right: bool, evaluations: usize| ExactTest { is_right, evaluations: Some(evaluations as u32) };
+    let by_chord = |low: [T; 2], high: [T; 2]| {
+        (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0])
+    };
     for step in 0..MAX_CURVE_STEPS {
         let middle = (t_low + t_high) * number(0.5);
         if middle == t_low || middle == t_high {
-            break;
+            return answer(by_chord(low, high), step);
         }
         let secant = t_low + (t_high - t_low) * ((uv[1] - v_low) / (v_high - v_low));
         let is_between = (secant > t_low && secant < t_high) || (secant < t_low && secant > t_high);
         let t = if step % 3 != 2 && is_between { secant } else { middle };
         let at = curve.curve_at(t);
-        *evaluations += 1;
         if at[1] <= uv[1] {
             (t_low, v_low) = (t, at[1]);
             if at[1] >= low[1] {
@@ -52,13 +67,13 @@ pub fn is_right_of_curve<T: Real>(
             }
         }
         if uv[0] >= low[0].max(high[0]) {
-            return true;
+            return answer(true, step + 1);
         }
         if uv[0] < low[0].min(high[0]) {
-            return false;
+            return answer(false, step + 1);
         }
     }
-    (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0])
+    answer(by_chord(low, high), MAX_CURVE_STEPS)
 }
 
 /// A Bézier curve among the words of a face; see [`crate::scene::trim_word`].
