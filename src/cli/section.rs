@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) fn section(flags: &SectionArguments, scene: &Scene<'_>) -> Result<Section, Failure> {
     let bounds = bounds(scene);
     let planes: Vec<SectionPlane> = flags.section.iter().map(|flag| flag.plane(&bounds)).collect();
-    Section::new(&planes, !flags.no_caps).ok_or_else(|| {
+    Section::new(&planes, flags.section_mode.into(), !flags.no_caps).ok_or_else(|| {
         Failure::Usage(format!("{} sections are too many: {MAX_PLANES} planes are the most", planes.len()))
     })
 }

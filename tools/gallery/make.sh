@@ -8,6 +8,7 @@ render caster section --section x=50% --edges feature
 render gear technical --style technical --hidden-lines dashed
 render flange blueprint --style blueprint
 render mug edges --edges feature
+render caster quarter --section x=50% --section -y=50% --section-mode corner --edges feature
 render pipe-tee cut --section -y=50% --camera-direction -0.4,1,-0.5
 light=$(mktemp -d)
 trap 'rm -r "$light"' EXIT

@@ -34,6 +34,9 @@ struct Sight {
     cap: u32,
 }
 
+/// Caps whose normals differ by more than this cosine are in different planes.
+const SAME_PLANE: f64 = 1.0 - 1e-6;
+
 impl Sight {
     /// What a ray's first hit shows.
     fn new(at: DVec2, ray: Ray, hit: Option<&Hit>) -> Self {
@@ -50,12 +53,12 @@ impl Sight {
     }
 }
 
-/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit and as good as infinite where a cap ends, 0 where nothing does.
+/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit and as good as infinite where a cap ends or meets another, 0 where nothing does.
 fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> f64 {
-    let (Some((t_a, _)), Some((t_b, _))) = (a.hit, b.hit) else {
+    let (Some((t_a, normal_a)), Some((t_b, normal_b))) = (a.hit, b.hit) else {
         return if a.hit.is_some() == b.hit.is_some() { 0.0 } else { f64::INFINITY };
     };
-    if a.cap != b.cap {
+    if a.cap != b.cap || a.cap != 0 && normal_a.dot(normal_b) < SAME_PLANE {
         return f64::MAX;
     }
     let misses = |from: &Sight, to: &Sight, t: f64| {
