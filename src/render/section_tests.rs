@@ -122,7 +122,7 @@ fn a_corner_cut_out_of_a_bearing_has_caps_on_its_own_sides_alone() {
         for pixel in (0..film.part.len()).filter(|&i| film.part[i] != 0 && film.face[i] == 0) {
             let at = [pixel % film.width, pixel / film.width].map(|i| i as f64 + 0.5);
             let ray = super::cpu::pixel_ray(camera, [2048; 2], at[0], at[1]);
-            let point = ray.origin + ray.direction * f64::from(film.depth[pixel]);
+            let point = ray.at(f64::from(film.depth[pixel]));
             assert!(point.x.min(point.z).abs() < 1e-4, "{point}");
         }
     }
