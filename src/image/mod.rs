@@ -27,6 +27,7 @@ pub use diff::{ChannelDifference, ImageDifference, NotComparable, Numbers, diff}
 pub use exr::encode_exr;
 pub use files::{ImageError, write as write_file};
 pub use film::{Film, Layers, Window};
+pub use lettering::label_share;
 pub use light_map::LightMap;
 pub use merge::{MergeError, merge_exr, merge_png};
 pub use picture::{DeepPicture, Picture, decode_srgb, encode_srgb};
