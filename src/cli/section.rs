@@ -20,6 +20,14 @@ pub(super) fn section(flags: &SectionArguments, scene: &Scene<'_>) -> Result<Sec
     })
 }
 
+/// Whether a section keeps nothing of a scene, as its box tells; what is left whole by itself is not looked at.
+pub(super) fn is_empty(section: &Section, scene: &Scene<'_>) -> bool {
+    let is_whole = |instance: &Instance| instance.flags & Instance::UNCUT != 0;
+    !section.is_empty()
+        && section.keeps_none_of(&bounds(scene).corners())
+        && !scene.instances.iter().any(is_whole)
+}
+
 /// Marks those of a scene's instances that no plane cuts.
 ///
 /// # Errors

@@ -25,7 +25,7 @@ pub use compare::{Difference, SizesDiffer, compare};
 pub use cryptomatte::{RANKS, Share, matte_id, unique_names};
 pub use diff::{ChannelDifference, ImageDifference, NotComparable, Numbers, diff};
 pub use exr::encode_exr;
-pub use files::{ImageError, write as write_file};
+pub use files::{ImageError, make_folder_of, write as write_file};
 pub use film::{Film, Layers, Window};
 pub use lettering::label_share;
 pub use light_map::LightMap;

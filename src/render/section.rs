@@ -63,6 +63,15 @@ impl Section {
         self.count == 0
     }
 
+    /// Whether planes keep nothing of the convex hull of points, one by one: of those that cut away all of it only together it is not known.
+    pub fn keeps_none_of(&self, points: &[DVec3]) -> bool {
+        let is_beyond = |plane: &SectionPlane| points.iter().all(|&p| plane.normal.dot(p) > plane.offset);
+        match self.mode {
+            SectionMode::Each => self.planes().iter().any(is_beyond),
+            SectionMode::Corner => !self.is_empty() && self.planes().iter().all(is_beyond),
+        }
+    }
+
     /// Whether a point is kept, or cut away by less than `margin`.
     pub fn keeps(&self, point: DVec3, margin: f64) -> bool {
         let is_behind = |plane: &SectionPlane| plane.normal.dot(point) <= plane.offset + margin;

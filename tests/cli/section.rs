@@ -70,6 +70,28 @@ fn several_planes_cut_out_a_corner() {
 }
 
 #[test]
+fn who_cuts_everything_away_is_told() {
+    let bench = Bench::new();
+    let told = |flags: &str| {
+        let outcome = bench.run(&format!("render cube.step -o a.png {SMALL} {flags}")).expect(0);
+        outcome
+            .stderr
+            .contains("keeps nothing of it: it is from (0.000, 0.000, 0.000) to (10.000, 10.000, 10.000) mm")
+    };
+    for flags in ["--section x=-1", "--section x=5 --section -y=11", "--section x=-1 --section-mode corner"] {
+        assert!(told(flags), "{flags}");
+    }
+    for flags in [
+        "--section x=1",
+        "--section x=-1 -q",
+        "--section x=-1 --section-exclude Cube",
+        "--section x=-1 --section y=5 --section-mode corner",
+    ] {
+        assert!(!told(flags), "{flags}");
+    }
+}
+
+#[test]
 fn caps_have_lines_around_them() {
     let bench = Bench::new();
     let dark = |flags: &str| {
