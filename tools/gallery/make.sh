@@ -30,4 +30,4 @@ render caster looks "${looks[@]}" --fit 0.8
 render caster path-traced "${looks[@]}" --fit 0.8 --path-trace --ground --spp 256 --noise 0.008
 render mug metal --color '#f2d5a0' --metallic 1 --roughness 0.25 --fit 0.85 --path-trace --ground --spp 256 --noise 0.008 \
     --hdri "$light/evening.hdr" --hdri-background --tone-mapping agx --exposure 1
-"$trimray" render -q --device "$device" --resolution 300,200 fixtures/castle-nut/model.step -o "$folder/review.png" --view review
+"$trimray" render -q --device "$device" --resolution 300,200 fixtures/castle-nut/model.step -o "$folder/review.png" --view review --labels
