@@ -15,17 +15,18 @@ struct Section {
     planes: array<SectionPlane, MAX_PLANES>,
     count: u32,
     caps: u32,
-    reserved_0: u32,
-    reserved_1: u32,
+    sense: f32,
+    reserved: u32,
 }
 
 struct Kept {
     enter: f32,
     leave: f32,
     plane: u32,
+    sense: f32,
 }
 
-// The interval of the ray that is traced now.
+// What is kept of the ray that is traced now.
 var<private> kept_now: Kept;
 // Whether a cap is looked for, and the bodies, instance and number, that the ray is known to be outside of.
 var<private> walks: bool;
@@ -40,20 +41,21 @@ fn section_plane(section: Section, index: u32) -> SectionPlane {
 fn kept(section: Section, ray: WorldRay) -> Kept {
     var planes = section.planes;
     let origin = grid_position(ray.grid) + ray.fraction;
-    var result = Kept(-INFINITE, INFINITE, NO_PLANE);
+    let sense = section.sense;
+    var result = Kept(-INFINITE * sense, INFINITE * sense, NO_PLANE, sense);
     for (var i = 0u; i < section.count; i++) {
         let rate = dot(planes[i].normal, ray.direction);
         let height = planes[i].offset - dot(planes[i].normal, origin);
         if abs(rate) < 1e-12 {
-            if height < 0.0 {
-                result.leave = -INFINITE;
+            if height * sense < 0.0 {
+                result.leave = -INFINITE * sense;
             }
             continue;
         }
         let t = height / rate;
         if rate > 0.0 {
-            result.leave = min(result.leave, t);
-        } else if t > result.enter {
+            result.leave = sense * min(sense * result.leave, sense * t);
+        } else if sense * t > sense * result.enter {
             result.enter = t;
             result.plane = i;
         }
@@ -63,7 +65,9 @@ fn kept(section: Section, ray: WorldRay) -> Kept {
 
 fn is_kept(hit: RawHit) -> bool {
     let distance = beyond(hit.distance, 0.0);
-    return is_uncut(hit) || (distance >= kept_now.enter && distance <= kept_now.leave);
+    let entered = distance >= kept_now.enter;
+    let is_left = distance > kept_now.leave;
+    return is_uncut(hit) || select(entered || !is_left, entered && !is_left, kept_now.sense > 0.0);
 }
 
 fn may_cap(hit: RawHit) -> bool {

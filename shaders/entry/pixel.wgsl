@@ -75,10 +75,8 @@ fn shade_layers(
                     let place = sky_sample(pixel, sample_index, select(parameters.samples, 1u, center_only));
                     let direction = cosine_direction(n, place.x, place.y);
                     ray = leave_surface(pixel_ray.ray, hit, n, direction, surface_offset());
-                    if HAS_SECTION {
-                        cut = Cut(kept(section, ray), false);
-                    }
                     near = Distance(0.0, 0.0);
+                    cut = view_cut(section, ray, near);
                     far = Distance(0.0, header.scene_radius * OCCLUSION_RADIUS);
                     continue;
                 }

@@ -36,7 +36,8 @@ fn view_cut(section: Section, ray: WorldRay, near: Distance) -> Cut {
     var cut: Cut;
     if HAS_SECTION {
         cut.way = kept(section, ray);
-        let begins = cut.way.plane != NO_PLANE && cut.way.enter > beyond(near, 0.0) && cut.way.enter < cut.way.leave;
+        let is_cut = cut.way.sense * cut.way.enter < cut.way.sense * cut.way.leave;
+        let begins = cut.way.plane != NO_PLANE && cut.way.enter > beyond(near, 0.0) && is_cut;
         cut.is_pending = begins && section.caps != 0u;
     }
     return cut;
@@ -56,13 +57,17 @@ fn first_seen(ray: WorldRay, start: Distance, far: Distance, cut: ptr<function, 
     loop {
         var collected: Collected;
         collected.far = far;
+        if HAS_SECTION && walks {
+            collected.far = Distance(0.0, INFINITE);
+        }
         trace(ray, near, &collected);
         seen.first = collected;
         if !HAS_SECTION || !(*cut).is_pending {
             break;
         }
         if !walks {
-            if collected.count != 0u && beyond(collected.hit.distance, 0.0) < (*cut).way.enter {
+            // Where nothing is found this is where the ray ends.
+            if beyond(collected.far, 0.0) < (*cut).way.enter {
                 break;
             }
             found = collected;

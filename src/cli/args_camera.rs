@@ -27,7 +27,7 @@ pub(super) struct CameraArguments {
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',', value_parser = view_names(),
           conflicts_with_all = ["camera_direction", "camera_position"])]
     pub(super) view: Vec<String>,
-    /// Write the name of each view in its corner.
+    /// Write the name of each view in its corner, above the model.
     #[arg(long, requires = "view")]
     pub(super) labels: bool,
     /// Where the camera looks: ±X, ±Y, ±Z, or x,y,z [default: -1,1,-0.5 with +Z up].

@@ -2,8 +2,8 @@
 
 use super::pattern::Pattern;
 use crate::numeric::Aabb;
-use crate::render::section::SectionPlane;
-use clap::Args;
+use crate::render::section::{SectionMode, SectionPlane};
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::str::FromStr;
 
@@ -12,9 +12,13 @@ use std::str::FromStr;
 #[command(next_help_heading = "Section")]
 pub(super) struct SectionArguments {
     /// Cut the model with a plane and keep one side: x=10mm keeps x <= 10 mm, -x=10mm the other side; so y= and z=; nx,ny,nz@d keeps n.p <= d along the
-    /// normalised n. mm may be left out; also cm, m, in, and % of the model's extent. Up to six: what all of them keep is shown.
+    /// normalised n. mm may be left out; also cm, m, in, and % of the model's extent. Up to six.
     #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
     pub(super) section: Vec<SectionFlag>,
+    /// What several planes cut away: what is beyond any of them, or only the corner that is beyond all of them: two cut a quarter out of the model, three
+    /// an eighth.
+    #[arg(long, value_name = "MODE", requires = "section", value_enum, default_value_t = SectionModeFlag::Each)]
+    pub(super) section_mode: SectionModeFlag,
     /// Leave cut bodies open, instead of filling the cut in the part's colour and hatching it.
     #[arg(long, requires = "section")]
     pub(super) no_caps: bool,
@@ -22,6 +26,24 @@ pub(super) struct SectionArguments {
     /// the file.
     #[arg(long, value_name = "GLOB", requires = "section")]
     pub(super) section_exclude: Vec<Pattern>,
+}
+
+/// What several planes cut away together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum SectionModeFlag {
+    /// Each plane cuts away all that is beyond it
+    Each,
+    /// Only what is beyond all planes is cut away
+    Corner,
+}
+
+impl From<SectionModeFlag> for SectionMode {
+    fn from(flag: SectionModeFlag) -> Self {
+        match flag {
+            SectionModeFlag::Each => Self::Each,
+            SectionModeFlag::Corner => Self::Corner,
+        }
+    }
 }
 
 /// A plane across an axis.

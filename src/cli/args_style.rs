@@ -10,8 +10,8 @@ use clap::{Args, ValueEnum};
 #[command(next_help_heading = "Lines and style")]
 pub(super) struct StyleArguments {
     /// Which edges of the model are drawn as lines, and with them the silhouettes of what is curved [default: none; feature in the styles technical and
-    /// blueprint].
-    #[arg(long, value_enum, value_name = "WHICH")]
+    /// blueprint; feature where nothing is said].
+    #[arg(short, long, value_enum, value_name = "WHICH", num_args = 0..=1, default_missing_value = "feature")]
     pub(super) edges: Option<EdgesChoice>,
     /// Width of lines in pixels, 0.1 to 64 [default: 1.5].
     #[arg(long, value_name = "PIXELS", value_parser = parse_width)]

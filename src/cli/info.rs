@@ -217,6 +217,8 @@ fn write_text(out: &mut impl Write, summary: &Summary<'_>, all: bool) -> std::io
     Ok(())
 }
 
-fn point_text([x, y, z]: [f64; 3]) -> String {
+/// A point to a thousandth of a millimetre, without signs of zeros.
+pub(super) fn point_text(point: [f64; 3]) -> String {
+    let [x, y, z] = point.map(|x| (x * 1e3).round() / 1e3 + 0.0);
     format!("({x:.3}, {y:.3}, {z:.3})")
 }

@@ -53,7 +53,9 @@ mod window;
 
 use args::{Arguments, Command};
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Ends that have an exit code of their own; every other error is 1.
@@ -92,7 +94,7 @@ impl Failure {
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
     start_log(&arguments.general);
     let result = start_threads(&arguments.general).and_then(|()| match &arguments.command {
         Command::Render(command) => render::run(command, &arguments.general),
@@ -112,6 +114,28 @@ pub fn main() -> ExitCode {
             ExitCode::from(exit_code(&error))
         }
     }
+}
+
+/// Extensions of files that may be rendered.
+const MODELS: [&str; 6] = ["step", "stp", "p21", "iges", "igs", "trimray"];
+
+/// Ends with what clap says of wrong arguments, or of the request for help; who names a model where a command stands is told which one renders it.
+fn refuse(error: &clap::Error) -> ! {
+    let word = match (error.kind(), error.get(ContextKind::InvalidSubcommand)) {
+        (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) => Path::new(word),
+        _ => error.exit(),
+    };
+    let extension = word.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    if !extension.is_some_and(|extension| MODELS.contains(&extension.as_str())) {
+        error.exit();
+    }
+    let (model, picture) = (word.display(), word.with_extension("png"));
+    let picture = picture.file_name().map(Path::new).unwrap_or(&picture).display();
+    let _ = writeln!(
+        std::io::stderr(),
+        "trimray: {model} is no command: `trimray render {model} -o {picture}` makes a picture of it, `trimray help` tells all"
+    );
+    std::process::exit(2)
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {

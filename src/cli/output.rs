@@ -120,7 +120,9 @@ fn output(name: &str) -> Result<Output, Failure> {
     match extension.as_deref() {
         Some("png") => Ok(Output::Png(path)),
         Some("exr") => Ok(Output::Exr(path)),
-        _ => Err(Failure::Usage(format!("`{name}` is neither .png nor .exr, nor '-' for a PNG on stdout"))),
+        _ => Err(Failure::Usage(format!(
+            "`{name}` is neither .png (which --frames animates) nor .exr, nor '-' for a PNG on stdout"
+        ))),
     }
 }
 

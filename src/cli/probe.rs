@@ -187,7 +187,7 @@ fn hit_line<'a>(scene: &Scene<'a>, ray: &Ray, hit: &Hit) -> HitLine<'a> {
         scene.instances.get(hit.instance as usize).and_then(|i| scene.metadata.parts.get(i.part as usize));
     HitLine {
         t: hit.t,
-        p: (ray.origin + ray.direction * hit.t).to_array(),
+        p: ray.at(hit.t).to_array(),
         n: hit.normal.to_array(),
         u: hit.uv[0],
         v: hit.uv[1],

@@ -9,6 +9,7 @@ use super::args_select::SelectionArguments;
 use super::args_style::StyleChoice;
 use super::device::{Device, Renderer};
 use super::id_map::IdMap;
+use super::info::point_text;
 use super::load::{Purpose, load, nothing};
 use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
@@ -23,9 +24,9 @@ use super::style::{Look, look};
 use super::view;
 use super::window::window;
 use crate::bake::explode;
-use crate::image::{Animation, Film, Layers, Window, unique_names, write_file};
+use crate::image::{Animation, Film, Layers, Window, make_folder_of, unique_names, write_file};
 use crate::render::section::Section;
-use crate::render::{Background, Camera, Environment, PathOptions, RenderOptions};
+use crate::render::{Background, Camera, Environment, PathOptions, RenderOptions, bounds};
 use anyhow::Context;
 use std::collections::HashSet;
 use std::io::Write;
@@ -47,6 +48,10 @@ pub(super) fn run(command: &Render, general: &General) -> anyhow::Result<()> {
     let environment = environment(&command.path)?;
     let maps = id_maps(command)?;
     let reference = reference(&command.reference, &plan)?;
+    // Before the work is done, not after it.
+    for path in plan.iter().flatten().filter_map(|still| still.output.path()) {
+        make_folder_of(path)?;
+    }
     let choice = if command.aov.is_some() { DeviceChoice::Cpu } else { command.device };
     let mut device = Device::open(choice, general)?;
     let mut report = RunReport::default();
@@ -207,6 +212,15 @@ fn render_input(
     section::exclude(&command.section, &scene, &mut overridden.instances, input)?;
     let scene = overridden.of(&scene);
     let section = section::section(&command.section, &scene)?;
+    if !general.quiet && section::is_empty(&section, &scene) {
+        let bounds = bounds(&scene);
+        let [low, high] = [bounds.min, bounds.max].map(|corner| point_text(corner.to_array()));
+        let name = input.display();
+        writeln!(
+            std::io::stderr(),
+            "{name}: the section keeps nothing of it: it is from {low} to {high} mm"
+        )?;
+    }
     let paths = scene.metadata.instances.iter().map(|info| info.path.as_str());
     let part_names = unique_names(paths);
     if let Some(path) = task.id_map {

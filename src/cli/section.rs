@@ -15,9 +15,17 @@ use std::path::Path;
 pub(super) fn section(flags: &SectionArguments, scene: &Scene<'_>) -> Result<Section, Failure> {
     let bounds = bounds(scene);
     let planes: Vec<SectionPlane> = flags.section.iter().map(|flag| flag.plane(&bounds)).collect();
-    Section::new(&planes, !flags.no_caps).ok_or_else(|| {
+    Section::new(&planes, flags.section_mode.into(), !flags.no_caps).ok_or_else(|| {
         Failure::Usage(format!("{} sections are too many: {MAX_PLANES} planes are the most", planes.len()))
     })
+}
+
+/// Whether a section keeps nothing of a scene, as its box tells; what is left whole by itself is not looked at.
+pub(super) fn is_empty(section: &Section, scene: &Scene<'_>) -> bool {
+    let is_whole = |instance: &Instance| instance.flags & Instance::UNCUT != 0;
+    !section.is_empty()
+        && section.keeps_none_of(&bounds(scene).corners())
+        && !scene.instances.iter().any(is_whole)
 }
 
 /// Marks those of a scene's instances that no plane cuts.

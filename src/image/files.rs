@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// Reading or writing failed.
-    #[error("{path}: {source}")]
+    #[error("{path}")]
     Io {
         /// The file.
         path: PathBuf,
@@ -30,13 +30,19 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
     std::fs::read(path).map_err(|source| ImageError::Io { path: path.to_owned(), source })
 }
 
+/// Makes the folder that a file is to be in, unless it is there.
+pub fn make_folder_of(path: &Path) -> Result<(), ImageError> {
+    let folder = folder_of(path);
+    std::fs::create_dir_all(folder).map_err(|source| ImageError::Io { path: folder.to_owned(), source })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Writes `bytes` to a temporary file beside `path` and renames it to `path`, with the permissions of a file made the plain way.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     let failed = |source| ImageError::Io { path: path.to_owned(), source };
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
     // Renaming would put a file in the place of a device.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
         return Err(failed(std::io::Error::new(
@@ -48,7 +54,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     builder.prefix(".trimray-");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    let mut file = builder.tempfile_in(folder_of(path)).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.persist(path).map_err(|e| failed(e.error))?;
     Ok(())

@@ -97,6 +97,8 @@ const WEIGHT: f64 = 0.8;
 const TALL: f64 = 6.0;
 /// Height of tall letters as a share of a picture's, and at least, pixels.
 const SIZE: (f64, f64) = (1.0 / 32.0, 9.0);
+/// Heights of tall letters from the picture's border to what is below a word: a margin, the word, what of it hangs down, and as much to keep clear.
+const STRIP: f64 = 1.0 + 1.0 + 2.0 * (2.0 / TALL);
 /// Straight pieces of an arc.
 const PIECES: usize = 16;
 
@@ -122,12 +124,22 @@ fn pieces(word: &str) -> (Vec<[DVec2; 2]>, f64) {
     (pieces, left - GAP)
 }
 
+/// The height of tall letters in a picture so many pixels high, pixels.
+fn tall(height: f64) -> f64 {
+    (height * SIZE.0).max(SIZE.1)
+}
+
+/// The share of its height that a word takes at the upper border of a picture so many pixels high.
+pub fn label_share(height: u32) -> f64 {
+    STRIP * tall(f64::from(height)) / f64::from(height)
+}
+
 impl Film {
     /// Writes a word over the upper left of the picture, in one colour (sRGB); of characters that are no small letter of a view's name or a hyphen nothing is seen.
     pub fn write_label(&mut self, word: &str, srgb: [f32; 3]) {
         let (pieces, length) = pieces(word);
         let whole = self.whole.map(|n| n as f64);
-        let tall = (whole[1] * SIZE.0).max(SIZE.1);
+        let tall = tall(whole[1]);
         let unit = (tall / TALL).min((whole[0] - 2.0 * tall) / length);
         if !(unit > 0.0) {
             return;

@@ -44,6 +44,8 @@ pub struct Viewpoint {
     pub elevation: f64,
     /// The share of the picture, across or upwards, that the points to show fill, in 0..=1.
     pub fill: f64,
+    /// The share of the picture's height that they leave free above and below at least, in 0..0.5.
+    pub headroom: f64,
 }
 
 impl Default for Viewpoint {
@@ -59,6 +61,7 @@ impl Default for Viewpoint {
             azimuth: 0.0,
             elevation: 0.0,
             fill: FILL,
+            headroom: 0.0,
         }
     }
 }
@@ -109,17 +112,18 @@ impl Camera {
             let from_focal = point - focal_point;
             DVec3::new(from_focal.dot(right), from_focal.dot(up), from_focal.dot(forward))
         });
+        let fill = [view.fill, view.fill.min(1.0 - 2.0 * view.headroom)];
         let centred = view.focal_point.is_some() || view.position.is_some();
         let (half_height, framing) = if view.orthographic {
             let across = Span::of(seen.clone().map(|p| p.x), centred);
             let upwards = Span::of(seen.map(|p| p.y), centred);
-            let half_height = (upwards.half.max(across.half / aspect) / view.fill).max(size * NEAREST);
+            let half_height =
+                (upwards.half / fill[1]).max(across.half / aspect / fill[0]).max(size * NEAREST);
             (half_height, DVec3::new(across.middle, upwards.middle, -size))
         } else {
             let tangent = (view.view_angle / 2.0).tan();
-            let across =
-                Wedge::around(seen.clone().map(|p| (p.x, p.z)), tangent * aspect * view.fill, centred);
-            let upwards = Wedge::around(seen.map(|p| (p.y, p.z)), tangent * view.fill, centred);
+            let across = Wedge::around(seen.clone().map(|p| (p.x, p.z)), tangent * aspect * fill[0], centred);
+            let upwards = Wedge::around(seen.map(|p| (p.y, p.z)), tangent * fill[1], centred);
             let depth = across.apex.min(upwards.apex).min(-size * NEAREST);
             (tangent, DVec3::new(across.middle, upwards.middle, depth))
         };
@@ -229,6 +233,18 @@ mod tests {
             let seen = flat_box().corners().map(|c| project(&camera, 1.5, c));
             let extent = seen.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
             assert!((extent - 0.5).abs() < 1e-9, "{extent}");
+        }
+    }
+
+    #[test]
+    fn headroom_is_left_free_and_costs_no_width() {
+        for (orthographic, aspect) in [(false, 1.5), (true, 1.5), (false, 0.2), (true, 0.2)] {
+            let view = Viewpoint { headroom: 0.2, orthographic, ..Viewpoint::default() };
+            let camera = Camera::new(&view, &flat_box().corners(), aspect);
+            let seen = flat_box().corners().map(|c| project(&camera, aspect, c).map(f64::abs));
+            let [across, upwards] = [0, 1].map(|axis| seen.iter().map(|c| c[axis]).fold(0.0, f64::max));
+            let is_full = (upwards - 0.6).abs() < 1e-9 || upwards < 0.6 && (across - FILL).abs() < 1e-9;
+            assert!(is_full && across < FILL + 1e-9, "{across} {upwards}");
         }
     }
 

@@ -91,7 +91,7 @@ fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect:
     let hits = probe(scene, &rays, Precision::F32, section.is_empty());
     let point = |(ray, hits): (&Ray, &Vec<super::Hit>)| {
         let hit = first_in_section(scene, section, ray, hits);
-        hit.map(|hit| ray.origin + ray.direction * hit.t)
+        hit.map(|hit| ray.at(hit.t))
     };
     rays.iter().zip(&hits).filter_map(point).collect()
 }

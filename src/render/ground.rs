@@ -34,7 +34,7 @@ pub fn lowest(scene: &Scene<'_>, section: &Section, up: DVec3) -> f64 {
         let rays: Vec<Ray> = (0..RAYS * RAYS).map(ray).collect();
         let hits = probe(scene, &rays, Precision::F32, section.is_empty());
         let point = |(ray, hits): (&Ray, &Vec<Hit>)| {
-            first_in_section(scene, section, ray, hits).map(|hit| ray.origin + ray.direction * hit.t)
+            first_in_section(scene, section, ray, hits).map(|hit| ray.at(hit.t))
         };
         let points = rays.iter().zip(&hits).filter_map(point);
         let Some(low) = points.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))) else { break };

@@ -11,6 +11,13 @@ pub struct Ray {
     pub direction: DVec3,
 }
 
+impl Ray {
+    /// The point at a distance, millimetres.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
 /// A point where a ray meets a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {

@@ -55,7 +55,8 @@ fn labels_name_views_where_they_are_asked_for() {
         bench.run(&format!("render cube.step -o {name} {size} {flags}")).expect(0);
         read_png(&bench.path(name)).expect("a picture")
     };
-    let (plain, named) = (render("a.png", "--view front,iso"), render("b.png", "--view front,iso --labels"));
+    let small = "--view front,iso --fit 0.5";
+    let (plain, named) = (render("a.png", small), render("b.png", &format!("{small} --labels")));
     let changed = |from: usize, to: usize| {
         (0..plain.pixels.len())
             .filter(|i| (from..to).contains(&(i % 400)) && plain.pixels[*i] != named.pixels[*i])
@@ -65,7 +66,11 @@ fn labels_name_views_where_they_are_asked_for() {
     assert!(front.len() > iso.len() && iso.len() > 40, "{} {}", front.len(), iso.len());
     assert!(front.iter().chain(&iso).all(|i| i % 200 < 100 && i / 400 < 24), "in the corner");
     assert!(front.iter().any(|&i| named.pixels[i][..3].iter().all(|&code| code < 60)), "in dark ink");
-    let blue = "--view top --style blueprint --edges none";
+    // The model keeps below the words.
+    let named = render("b.png", "--view front,iso --labels");
+    let above = named.pixels.iter().enumerate().filter(|(i, _)| i / 400 < 22 && i % 200 >= 100);
+    assert!(above.clone().count() > 4000 && above.into_iter().all(|(_, pixel)| *pixel == [255; 4]));
+    let blue = "--view top --style blueprint --edges none --fit 0.5";
     let (plain, named) = (render("a.png", blue), render("b.png", &format!("{blue} --labels")));
     let differs = |i: &usize| plain.pixels[*i] != named.pixels[*i];
     let written: Vec<usize> = (0..plain.pixels.len()).filter(differs).collect();

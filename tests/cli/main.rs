@@ -91,6 +91,17 @@ fn help_shows_every_command_and_examples() {
 }
 
 #[test]
+fn a_model_without_a_command_is_told_which_one_renders_it() {
+    let bench = Bench::new();
+    for name in ["cube.step", "folder/part.IGS"] {
+        let outcome = bench.run(&format!("{name} --output a.png")).expect(2);
+        assert!(outcome.stderr.contains(&format!("trimray render {name} -o")), "{}", outcome.stderr);
+    }
+    assert!(bench.run("paint").expect(2).stderr.contains("unrecognized"));
+    bench.run("--help").expect(0);
+}
+
+#[test]
 fn wrong_usage_ends_with_2() {
     let bench = Bench::new();
     for arguments in [
@@ -123,9 +134,8 @@ fn what_cannot_be_read_ends_with_1_and_is_named() {
             assert!(outcome.stderr.contains(name), "{}", outcome.stderr);
         }
     }
-    let outcome =
-        bench.run("render cube.step -o no-such-folder/a.png --resolution 8,8 --device cpu").expect(1);
-    assert!(outcome.stderr.contains("a.png"), "{}", outcome.stderr);
+    let outcome = bench.run("render cube.step -o text.step/a.png --resolution 8,8 --device cpu").expect(1);
+    assert!(outcome.stderr.contains("text.step"), "{}", outcome.stderr);
 }
 
 #[test]

@@ -23,6 +23,20 @@ fn caster() -> Bench {
 }
 
 #[test]
+fn folders_are_made_before_the_work_is_done() {
+    let bench = Bench::new();
+    bench.run(&format!("render cube.step -o new/deep/{{model}}.png {SMALL}")).expect(0);
+    assert!(bench.path("new/deep/cube.png").is_file());
+    let outcome = bench.run(&format!("render nothing.step -o cube.step/a.png {SMALL}")).expect(1);
+    let said = "trimray: cube.step: ";
+    assert!(
+        outcome.stderr.starts_with(said) && outcome.stderr.matches("os error").count() == 1,
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
 fn sixteen_bits_are_finer_than_eight() {
     let bench = Bench::new();
     for (name, flags) in [("8", ""), ("16", "--bit-depth 16"), ("16t", "--bit-depth 16 --no-background")] {

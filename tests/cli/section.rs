@@ -46,6 +46,52 @@ fn a_plane_leaves_one_side_and_closes_it() {
 }
 
 #[test]
+fn several_planes_cut_out_a_corner() {
+    let bench = Bench::new();
+    let all = covered(&bench, "");
+    let corner = |planes: &str| {
+        let sections: String = planes.split_whitespace().map(|plane| format!("--section {plane} ")).collect();
+        covered(&bench, &format!("{sections} --section-mode corner")) / all
+    };
+    for (planes, expected) in [
+        ("x=50% y=50%", 0.75),
+        ("x=20% y=50%", 0.6),
+        ("x=40% -x=50%", 0.9),
+        // A whole edge is gone, but not for who looks from above.
+        ("x=50% z=50%", 1.0),
+        ("x=25%", 0.25),
+    ] {
+        let found = corner(planes);
+        assert!((found - expected).abs() < 0.03, "{planes}: {found}");
+    }
+    let two = "--section x=50% --section z=50%";
+    assert_eq!(picture(&bench, two), picture(&bench, &format!("{two} --section-mode each")));
+    assert_ne!(picture(&bench, two), picture(&bench, &format!("{two} --section-mode corner")));
+}
+
+#[test]
+fn who_cuts_everything_away_is_told() {
+    let bench = Bench::new();
+    let told = |flags: &str| {
+        let outcome = bench.run(&format!("render cube.step -o a.png {SMALL} {flags}")).expect(0);
+        outcome
+            .stderr
+            .contains("keeps nothing of it: it is from (0.000, 0.000, 0.000) to (10.000, 10.000, 10.000) mm")
+    };
+    for flags in ["--section x=-1", "--section x=5 --section -y=11", "--section x=-1 --section-mode corner"] {
+        assert!(told(flags), "{flags}");
+    }
+    for flags in [
+        "--section x=1",
+        "--section x=-1 -q",
+        "--section x=-1 --section-exclude Cube",
+        "--section x=-1 --section y=5 --section-mode corner",
+    ] {
+        assert!(!told(flags), "{flags}");
+    }
+}
+
+#[test]
 fn caps_have_lines_around_them() {
     let bench = Bench::new();
     let dark = |flags: &str| {
@@ -66,6 +112,8 @@ fn nonsense_about_sections_is_refused() {
         ("--section 0,0,0@3", "x=10mm"),
         ("--no-caps", "--section"),
         ("--section-exclude Cube", "--section"),
+        ("--section-mode corner", "--section"),
+        ("--section x=1 --section-mode quarter", "each, corner"),
         ("--section x=1 --section-exclude Bolt*", "Bolt*"),
         (&"--section x=1 ".repeat(7), "6 planes"),
         ("--section x=1 --aov trim-tests", "--aov"),

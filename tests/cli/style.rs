@@ -23,8 +23,10 @@ fn edges_are_drawn_where_they_are_asked_for() {
     assert!(count(&bench, "red.png", |[r, g, b, _]| r > 200 && g.max(b) < 60) > 100);
     bench.run(&format!("render cube.step -o dim.png {SMALL} --edges all --hidden-lines dim")).expect(0);
     assert_ne!(read(&bench.path("dim.png")), read(&bench.path("edges.png")));
-    bench.run(&format!("render cube.step -o again.png {SMALL} --edges feature -j 1")).expect(0);
-    assert_eq!(read(&bench.path("again.png")), read(&bench.path("edges.png")));
+    for same in ["--edges feature -j 1", "--edges", "-e --edge-width 1.5"] {
+        bench.run(&format!("render cube.step -o again.png {SMALL} {same}")).expect(0);
+        assert_eq!(read(&bench.path("again.png")), read(&bench.path("edges.png")), "{same}");
+    }
 }
 
 #[test]
@@ -72,6 +74,7 @@ fn merged_tiles_have_the_lines_of_the_whole() {
     for (extension, flags) in [
         ("png", "--edges feature"),
         ("png", "--edges all --edge-width 9 --hidden-lines dashed"),
+        ("png", "--edges all --section z=60% --section x=50% --section-mode corner --hidden-lines dim"),
         ("exr", "--edges feature --section z=60% --hidden-lines dim --layers normal"),
     ] {
         let render = |name: &str, more: &str| {

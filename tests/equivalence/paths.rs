@@ -4,7 +4,7 @@ use super::{camera, gpu, options, synthetic};
 use glam::DVec3;
 use trimray::image::{Film, Window};
 use trimray::render::gpu::Gpu;
-use trimray::render::section::{Section, SectionPlane};
+use trimray::render::section::{Section, SectionMode, SectionPlane};
 use trimray::render::{Camera, Environment, Ground, PathOptions, RenderOptions, cpu, lowest};
 use trimray::scene::Scene;
 
@@ -86,7 +86,7 @@ fn paths_agree_in_a_map_and_a_section() {
             .collect();
     let plane =
         SectionPlane { normal: DVec3::new(0.6, 0.0, 0.8), offset: scene.header.world_anchor[2] + 1.0 };
-    let section = Section::new(&[plane], true).unwrap();
+    let section = Section::new(&[plane], SectionMode::Each, true).unwrap();
     let paths = PathOptions {
         environment: Environment::from_map([32, 16], &light).unwrap(),
         axes: Some([DVec3::Y, DVec3::Z, DVec3::X]),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::path::Path;
 use trimray::bake::BakeOptions;
 use trimray::render::RenderOptions;
-use trimray::render::section::{Section, SectionPlane};
+use trimray::render::section::{Section, SectionMode, SectionPlane};
 use trimray::scene::{Instance, Scene};
 
 #[test]
@@ -20,8 +20,13 @@ fn sections_agree() {
     let mut instances = buffers.instances.clone();
     instances[2].flags |= Instance::UNCUT;
     let scene = Scene { instances: &instances, ..buffers.scene() };
-    for (caps, ambient_occlusion) in [(true, true), (false, false)] {
-        let section = Section::new(&planes, caps).unwrap();
+    for (mode, caps, ambient_occlusion) in [
+        (SectionMode::Each, true, true),
+        (SectionMode::Each, false, false),
+        (SectionMode::Corner, true, true),
+        (SectionMode::Corner, false, false),
+    ] {
+        let section = Section::new(&planes, mode, caps).unwrap();
         let options = RenderOptions { section, ..options(ambient_occlusion) };
         assert_pictures_agree("section", &gpu, &scene, &camera(&scene, !caps), &options);
     }

@@ -1,27 +1,33 @@
 #!/usr/bin/env python3
-"""Checks an EXR file of trimray's with the reference library: names and types of its layers, its windows, and that its Cryptomatte keeps to
-Psyop's specification 1.2, so that what is in a pixel can be found by name.
+"""Checks an EXR file of trimray's with the reference library: names, types and values of its layers, its windows, and that its Cryptomatte keeps to
+Psyop's specification 1.2, so that what is in a pixel can be found by name. With the model, its id map and the program, what `trimray probe` finds at the
+places that pixels show is what the pixels say: part, face, normal and parameters.
 
     pip install OpenEXR
-    trimray render part.step -o part.exr --no-background
+    trimray render part.step -o part.exr --no-background --edges feature --id-map part.json
     python3 tools/exr/check_layers.py part.exr
+    python3 tools/exr/check_layers.py part.exr --model part.step --id-map part.json --bin trimray
 """
 
+import argparse
 import json
+import math
 import struct
-import sys
+import subprocess
 
 import numpy
 import OpenEXR
 
 # Names, and the types that they have where they are there.
 LAYERS = {
-    **{name: numpy.float16 for name in ("R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B")},
+    **{name: numpy.float16 for name in ("R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B", "edges.A")},
     **{f"{layer}.{axis}": numpy.float32 for layer in ("normal", "position") for axis in "XYZ"},
     **{name: numpy.float32 for name in ("uv.U", "uv.V", "mean_curvature.V", "gaussian_curvature.V", "depth.Z")},
     **{name: numpy.uint32 for name in ("id.part", "id.face", "trim.tests")},
 }
 RANKS = 6
+# Pixels that are probed, at most.
+PROBED = 4000
 
 
 def murmur3(text: str) -> int:
@@ -51,13 +57,15 @@ def bits(number: float) -> int:
     return struct.unpack("<I", struct.pack("<f", number))[0]
 
 
-def check(path: str) -> None:
+def check(path: str, arguments) -> None:
     # The library forgets the file's contents where it is closed.
     with OpenEXR.File(path, separate_channels=True) as file:
         channels = {name: channel.pixels for name, channel in file.channels().items()}
         check_layers(path, file.header(), channels)
         if "CryptoObject00.R" in channels:
             check_cryptomatte(file.header(), channels)
+        if arguments.model:
+            check_hits(arguments, channels)
 
 
 def check_layers(path: str, header: dict, channels: dict) -> None:
@@ -68,7 +76,65 @@ def check_layers(path: str, header: dict, channels: dict) -> None:
     for name, pixels in channels.items():
         expected = numpy.float32 if name.startswith("CryptoObject") else LAYERS[name]
         assert pixels.dtype == expected, f"{name} is {pixels.dtype}"
+    check_values(channels)
     print(f"{path}: {width} by {height} at {tuple(int(x) for x in low)}, {len(channels)} channels")
+
+
+def vectors(channels: dict, layer: str) -> numpy.ndarray:
+    return numpy.stack([channels[f"{layer}.{axis}"].astype(float) for axis in "XYZ"], axis=-1)
+
+
+def check_values(channels: dict) -> None:
+    """What holds of layers whatever the model is; only of those that are there."""
+    for name in ("A", "edges.A"):
+        if name in channels:
+            assert ((channels[name] >= 0) & (channels[name] <= 1)).all(), f"{name} is from 0 to 1"
+    shows = channels["id.part"] > 0 if "id.part" in channels else None
+    if shows is None:
+        return
+    assert not channels["id.face"][~shows].any(), "where there is no part there is no face"
+    if "depth.Z" in channels:
+        assert (numpy.isfinite(channels["depth.Z"]) == shows).all(), "depth is finite where something is"
+    if "normal.X" in channels:
+        length = numpy.linalg.norm(vectors(channels, "normal"), axis=-1)
+        assert (abs(length - shows) < 1e-5).all(), "normals are unit vectors, or 0 where nothing is"
+    if "mean_curvature.V" in channels:
+        mean, gaussian = (channels[f"{name}_curvature.V"].astype(float) for name in ("mean", "gaussian"))
+        # Of two numbers the square of the mean is at least the product.
+        assert (mean**2 - gaussian >= -1e-5 * numpy.maximum(mean**2, 1e-12)).all(), "curvatures are those of a surface"
+        flat = (channels["id.face"] == 0) | ~shows
+        assert not mean[flat].any() and not gaussian[flat].any(), "caps, and where nothing is, are flat"
+
+
+def check_hits(arguments, channels: dict) -> None:
+    with open(arguments.id_map, encoding="utf-8") as file:
+        ids = json.load(file)
+    face, part = channels["id.face"], channels["id.part"]
+    # At a border of a face either neighbour may be hit.
+    inner = face > 0
+    for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        inner &= (numpy.roll(face, step, axis) == face) & (numpy.roll(part, step, axis) == part)
+    inner[[0, -1], :] = inner[:, [0, -1]] = False
+    rows, columns = (places[:: max(1, inner.sum() // PROBED)] for places in numpy.nonzero(inner))
+    place, normal = (vectors(channels, layer)[rows, columns] for layer in ("position", "normal"))
+    size = numpy.ptp(place, axis=0).max()
+    above = 1e-4 * size
+    rays = "\n".join(" ".join(map(repr, map(float, (*ray[0], *ray[1])))) for ray in zip(place + above * normal, -normal))
+    command = [arguments.bin, "probe", arguments.model, "--rays", "-", "--hits", "first"]
+    answers = subprocess.run(command, input=rays, capture_output=True, text=True, check=True).stdout.splitlines()
+    for index, answer in enumerate(answers):
+        at = (rows[index], columns[index])
+        (hit,) = json.loads(answer)["hits"]
+        told, shown = ids["faces"][face[at] - 1], ids["parts"][part[at] - 1]
+        assert hit["entity"] == told["entity"], f"{at}: face {hit['entity']} for {told['entity']}"
+        assert hit["part"] == shown["name"] == told["part"], f"{at}: part {hit['part']} for {shown['name']}"
+        assert abs(hit["t"] - above) < 1e-5 * size, f"{at}: {hit['t']} for {above}"
+        assert abs(numpy.dot(hit["n"], normal[index])) > 1 - 1e-6, f"{at}: normal {hit['n']} for {normal[index]}"
+        for name, value in (("uv.U", hit["u"]), ("uv.V", hit["v"])):
+            apart = abs(float(channels[name][at]) - value)
+            # Angles may be a whole turn apart.
+            assert min(apart, abs(apart - math.tau)) < 1e-4 * max(1.0, size), f"{at}: {name} {value} is {apart} off"
+    print(f"  {len(answers)} pixels of {len(numpy.unique(face[rows, columns]))} faces are what probe finds there")
 
 
 def check_cryptomatte(header: dict, channels: dict) -> None:
@@ -102,5 +168,11 @@ def check_cryptomatte(header: dict, channels: dict) -> None:
 
 
 if __name__ == "__main__":
-    for argument in sys.argv[1:]:
-        check(argument)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+")
+    parser.add_argument("--model", help="the CAD file that the pictures show")
+    parser.add_argument("--id-map", help="the JSON file of render --id-map")
+    parser.add_argument("--bin", default="trimray")
+    chosen = parser.parse_args()
+    for chosen_file in chosen.files:
+        check(chosen_file, chosen)

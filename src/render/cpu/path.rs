@@ -164,7 +164,8 @@ pub fn turn(paths: &Paths<'_, '_>, state: &mut PathState, sum: &mut PathSum) {
     };
     let near = Distance { anchor: state.near_anchor, offset: state.near_offset };
     let mut cut = paths.shading.cut(&ray, near);
-    let seen = first_seen(scene, paths.shading.options.exactness, &ray, near, &mut cut);
+    let exactness = paths.shading.options.exactness;
+    let seen = first_seen(scene, exactness, &ray, near, Distance::INFINITE, &mut cut);
     let ground = ground_distance(paths, &ray, near);
     let is_ground = ground < seen.map_or(f32::MAX, |seen| seen.hit.distance.beyond(0.0));
     let pixel = path_key(paths, state.pixel);

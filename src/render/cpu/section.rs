@@ -1,7 +1,7 @@
 //! Sections on a ray: what of it is kept, and what the cut shows.
 //!
-//! Planes leave an interval of a ray. Where it begins on a plane and within a closed body, the body's cap is seen. It is within a body if the nearest
-//! of the body's hits beyond leads out of it: bodies are asked in the order of their nearest hits, until one says so or none is left. Hits of a
+//! Planes leave an interval of a ray, or all but one where they cut out a corner. Where the ray comes back to what is kept, on a plane and within a closed
+//! body, the body's cap is seen. It is within a body if the nearest of the body's hits beyond leads out of it: bodies are asked in the order of their nearest hits, until one says so or none is left. Hits of a
 //! body that is settled no longer count, so that faces which both claim a hit on their common edge do no harm; and what is nearer to
 //! the plane than rays keep off surfaces counts as on it, so that a face in the plane is cut, not seen.
 //! Instances that are uncut are seen wherever they are and have no caps.
@@ -10,7 +10,7 @@ use super::frames::grid_position;
 use super::hit::hit_normal;
 use super::ray_space::{Distance, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
-use super::trace::{RawHit, comes_before, first_hit, trace};
+use super::trace::{RawHit, comes_before, first_hit_before, trace};
 use super::vector::Vector3;
 use crate::render::section::{MAX_PLANES, Section, SectionPlane};
 use crate::render::{Camera, Exactness};
@@ -21,7 +21,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 /// Bodies that a ray is outside of where its interval begins: behind more of them no cap is looked for.
 pub const MAX_SETTLED: usize = 16;
 
-/// The plane where an interval begins, if it is none.
+/// The plane where a ray comes to what is kept, if it is none.
 pub const NO_PLANE: u32 = u32::MAX;
 
 /// Distance of hatch lines, of the scene's radius, where all of it is in the picture: it goes by halves and doubles of that, so that it stays as it is while a
@@ -59,12 +59,14 @@ pub struct WorldPlane {
 }
 
 /// A section in world space.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct WorldSection {
     /// Those in use come first.
     pub planes: [WorldPlane; MAX_PLANES],
     /// Planes in use.
     pub count: u32,
+    /// 1 where a ray is kept on an interval, -1 where it is kept but for one.
+    pub sense: f32,
     /// Whether closed bodies have caps.
     pub caps: bool,
 }
@@ -72,7 +74,12 @@ pub struct WorldSection {
 impl WorldSection {
     /// The section in the world space of a scene, hatched for a picture so many pixels high.
     pub fn new(section: &Section, header: &Header, camera: &Camera, height: u32) -> Self {
-        let mut world = Self { count: section.planes().len() as u32, caps: section.caps, ..Self::default() };
+        let mut world = Self {
+            planes: [WorldPlane::default(); MAX_PLANES],
+            count: section.planes().len() as u32,
+            sense: section.mode.sense() as f32,
+            caps: section.caps,
+        };
         for (to, plane) in world.planes.iter_mut().zip(section.planes()) {
             let across = if plane.normal.z.abs() < 0.9 { DVec3::Z } else { DVec3::X };
             let x = plane.normal.cross(across).normalize_or_zero();
@@ -109,7 +116,8 @@ fn hatch_pitch(plane: &SectionPlane, header: &Header, camera: &Camera, height: u
     plain * if doublings.is_finite() { doublings.clamp(-16.0, 16.0).exp2() } else { 1.0 }
 }
 
-/// The kept interval of a ray; empty where it leaves before it enters.
+/// What is kept of a ray: from `enter` to `leave`, nothing where it leaves before it enters; of sense -1 up to `leave` and from `enter` on, all of it where
+/// it enters before it leaves.
 #[derive(Debug, Clone, Copy)]
 pub struct Kept {
     /// Distance along the world ray.
@@ -118,6 +126,8 @@ pub struct Kept {
     pub leave: f32,
     /// Index of the plane where it enters, or [`NO_PLANE`].
     pub plane: u32,
+    /// Of the section.
+    pub sense: f32,
 }
 
 /// What is seen: a hit, or a cap of the body that the hit belongs to.
@@ -134,24 +144,26 @@ pub fn section_plane(section: &WorldSection, index: u32) -> &WorldPlane {
     &section.planes[index as usize]
 }
 
-/// The interval of `ray` in the kept region.
+/// What of `ray` is in the kept region. The last plane behind which it comes is where it enters, and the first that it crosses where it leaves; of sense -1 it
+/// is the other way round.
 pub fn kept(section: &WorldSection, ray: &WorldRay<f32>, step: f32) -> Kept {
     let origin = grid_position(ray.grid, step) + ray.fraction;
-    let mut kept = Kept { enter: -f32::MAX, leave: f32::MAX, plane: NO_PLANE };
+    let sense = section.sense;
+    let mut kept = Kept { enter: -f32::MAX * sense, leave: f32::MAX * sense, plane: NO_PLANE, sense };
     for index in 0..section.count {
         let plane = section_plane(section, index);
         let rate = plane.normal.dot(ray.direction);
         let height = plane.offset - plane.normal.dot(origin);
         if rate.abs() < 1e-12 {
-            if height < 0.0 {
-                kept.leave = -f32::MAX;
+            if height * sense < 0.0 {
+                kept.leave = -f32::MAX * sense;
             }
             continue;
         }
         let t = height / rate;
         if rate > 0.0 {
-            kept.leave = kept.leave.min(t);
-        } else if t > kept.enter {
+            kept.leave = sense * (sense * kept.leave).min(sense * t);
+        } else if sense * t > sense * kept.enter {
             kept.enter = t;
             kept.plane = index;
         }
@@ -162,7 +174,8 @@ pub fn kept(section: &WorldSection, ray: &WorldRay<f32>, step: f32) -> Kept {
 /// Whether a hit is seen: it is kept, or its instance is uncut.
 pub fn is_kept(scene: &Scene<'_>, kept: &Kept, hit: &RawHit<f32>) -> bool {
     let distance = hit.distance.beyond(0.0);
-    is_uncut(scene, hit) || (distance >= kept.enter && distance <= kept.leave)
+    let (entered, is_left) = (distance >= kept.enter, distance > kept.leave);
+    is_uncut(scene, hit) || if kept.sense > 0.0 { entered && !is_left } else { entered || !is_left }
 }
 
 /// Whether a hit can tell if its body is cut: its faces enclose a volume, and the planes cut it.
@@ -232,25 +245,26 @@ impl Cut {
     /// Of a ray that starts at `near`.
     pub fn new(section: &WorldSection, ray: &WorldRay<f32>, near: Distance<f32>, step: f32) -> Self {
         let kept = kept(section, ray, step);
-        let begins = kept.plane != NO_PLANE && kept.enter > near.beyond(0.0) && kept.enter < kept.leave;
+        let is_cut = kept.sense * kept.enter < kept.sense * kept.leave;
+        let begins = kept.plane != NO_PLANE && kept.enter > near.beyond(0.0) && is_cut;
         Self { kept, is_pending: section.caps && begins }
     }
 }
 
-/// The first thing that is seen after `near`; `cut` is the ray's way so far, `None` where nothing is cut.
+/// The first thing that is seen between `near` and `far`; `cut` is the ray's way so far, `None` where nothing is cut.
 pub fn first_seen(
     scene: &Scene<'_>,
     exactness: Exactness,
     ray: &WorldRay<f32>,
     near: Distance<f32>,
+    far: Distance<f32>,
     cut: &mut Option<Cut>,
 ) -> Option<Seen> {
     let seen = |hit| Seen { hit, cap: NO_PLANE };
-    let Some(cut) = cut else { return first_hit(scene, exactness, ray, near).map(seen) };
-    let found =
-        first_hit_of(scene, exactness, ray, near, Distance::INFINITE, |hit| is_kept(scene, &cut.kept, hit));
-    let is_before = |hit: RawHit<f32>| hit.distance.beyond(0.0) < cut.kept.enter;
-    if cut.is_pending && !found.is_some_and(is_before) {
+    let Some(cut) = cut else { return first_hit_before(scene, exactness, ray, near, far).map(seen) };
+    let found = first_hit_of(scene, exactness, ray, near, far, |hit| is_kept(scene, &cut.kept, hit));
+    let end = found.map_or(far, |hit| hit.distance).beyond(0.0);
+    if cut.is_pending && end >= cut.kept.enter {
         cut.is_pending = false;
         if let Some(hit) = cap_hit(scene, exactness, ray, cut.kept.enter) {
             return Some(Seen { hit, cap: cut.kept.plane });

@@ -9,10 +9,8 @@ use super::light::{
 };
 use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
 use super::ray_space::{Distance, WorldRay, prepare, scene_radius, whole_steps};
-use super::section::{
-    Cut, NO_PLANE, Seen, WorldSection, first_hit_of, first_seen, hatch, is_kept, kept, section_plane,
-};
-use super::trace::{RawHit, first_hit_before};
+use super::section::{Cut, NO_PLANE, Seen, WorldSection, first_seen, hatch, section_plane};
+use super::trace::RawHit;
 use super::vector::{Vector3, vec3};
 use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
@@ -88,7 +86,8 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
     let exactness = shading.options.exactness;
     let mut cut = shading.cut(&prepared.ray, prepared.near);
-    let Some(seen) = first_seen(scene, exactness, &prepared.ray, prepared.near, &mut cut) else {
+    let seen = first_seen(scene, exactness, &prepared.ray, prepared.near, Distance::INFINITE, &mut cut);
+    let Some(seen) = seen else {
         return center;
     };
     let hit = seen.hit;
@@ -138,7 +137,8 @@ pub fn shade_sample(
     let mut near = prepared.near;
     let mut cut = shading.cut(&prepared.ray, prepared.near);
     for layer in 1..=MAX_LAYERS {
-        let seen = first_seen(scene, shading.options.exactness, &prepared.ray, near, &mut cut);
+        let exactness = shading.options.exactness;
+        let seen = first_seen(scene, exactness, &prepared.ray, near, Distance::INFINITE, &mut cut);
         let Some(seen) = seen else { break };
         let hit = seen.hit;
         let material = hit_material(scene, hit.instance, hit.face);
@@ -343,15 +343,9 @@ fn openness(
     let near = Distance { anchor: 0.0, offset: 0.0 };
     let far = Distance { anchor: 0.0, offset: radius };
     let exactness = shading.options.exactness;
-    let blocker = match &shading.section {
-        None => first_hit_before(scene, exactness, &probe, near, far),
-        Some(section) => {
-            let kept = kept(section, &probe, scene.header.grid_step as f32);
-            first_hit_of(scene, exactness, &probe, near, far, |hit| is_kept(scene, &kept, hit))
-        }
-    };
-    let blocked = match blocker {
-        Some(blocker) => 1.0 - (blocker.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
+    let mut cut = shading.cut(&probe, near);
+    let blocked = match first_seen(scene, exactness, &probe, near, far, &mut cut) {
+        Some(blocker) => 1.0 - (blocker.hit.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
         None => 0.0,
     };
     1.0 - blocked * blocked

@@ -75,7 +75,7 @@ fn random_rays(count: usize, seed: u64, center: DVec3, radius: f64) -> Vec<Ray> 
 }
 
 fn point(ray: &Ray, hit: &Hit) -> DVec3 {
-    ray.origin + ray.direction * hit.t
+    ray.at(hit.t)
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn hits_lie_on_their_faces_where_uv_says() {
 /// Parameters where the distance to the carrier changes sign along the ray, by dense sampling.
 fn brute_force(face: &TestFace, ray: &Ray, length: f64) -> Vec<f64> {
     let implicit = |t: f64| {
-        let p = face.axes.transpose() * (ray.origin + ray.direction * t - face.origin);
+        let p = face.axes.transpose() * (ray.at(t) - face.origin);
         let across = p.truncate().length();
         let [r, k] = face.radii;
         match face.kind {

@@ -69,7 +69,8 @@ pub(super) struct GpuSection {
     planes: [GpuSectionPlane; MAX_PLANES],
     count: u32,
     caps: u32,
-    reserved: [u32; 2],
+    sense: f32,
+    reserved: u32,
 }
 
 /// `RenderParameters` of `shaders/entry/render.wgsl`. 480 bytes.
@@ -319,6 +320,7 @@ pub(super) fn gpu_section(section: &WorldSection) -> GpuSection {
         planes: std::array::from_fn(plane),
         count: section.count,
         caps: section.caps.into(),
-        reserved: [0; 2],
+        sense: section.sense,
+        reserved: 0,
     }
 }

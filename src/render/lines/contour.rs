@@ -34,6 +34,9 @@ struct Sight {
     cap: u32,
 }
 
+/// Caps whose normals differ by more than this cosine are in different planes.
+const SAME_PLANE: f64 = 1.0 - 1e-6;
+
 impl Sight {
     /// What a ray's first hit shows.
     fn new(at: DVec2, ray: Ray, hit: Option<&Hit>) -> Self {
@@ -45,25 +48,50 @@ impl Sight {
     /// How far along `ray` the tangent plane at this hit is.
     fn plane_along(&self, ray: &Ray) -> Option<f64> {
         let (t, normal) = self.hit?;
-        let point = self.ray.origin + self.ray.direction * t;
-        Some((point - ray.origin).dot(normal) / ray.direction.dot(normal))
+        Some((self.ray.at(t) - ray.origin).dot(normal) / ray.direction.dot(normal))
     }
 }
 
-/// How far the depth jumps between two places, in widths of a pixel; infinite where only one has a hit and as good as infinite where a cap ends, 0 where nothing does.
-fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> f64 {
-    let (Some((t_a, _)), Some((t_b, _))) = (a.hit, b.hit) else {
-        return if a.hit.is_some() == b.hit.is_some() { 0.0 } else { f64::INFINITY };
+/// How far it is from what is seen at one place to what is seen at another, in widths of a pixel; infinite where only one has a hit and as good as infinite
+/// where a cap ends or meets another, 0 where nothing does.
+#[derive(Debug, Clone, Copy)]
+struct Jump {
+    /// Along the rays: what the tangent plane of neither explains.
+    depth: f64,
+    /// Of each from the other's tangent plane, the farther one. The plane of a surface seen edge on may meet by chance what lies behind it, but the plane
+    /// of that does not meet the surface; and nothing is far from the plane of a surface that goes on, however steep.
+    apart: f64,
+}
+
+impl Jump {
+    const NONE: Self = Self { depth: 0.0, apart: 0.0 };
+
+    fn surely(pixels: f64) -> Self {
+        Self { depth: pixels, apart: pixels }
+    }
+
+    fn is_some(&self) -> bool {
+        self.depth > LEAST_JUMP || self.apart > LEAST_JUMP
+    }
+}
+
+/// The jump between two places.
+fn jump(screen: &Screen<'_>, a: &Sight, b: &Sight) -> Jump {
+    let (Some((t_a, normal_a)), Some((t_b, normal_b))) = (a.hit, b.hit) else {
+        return if a.hit.is_some() == b.hit.is_some() { Jump::NONE } else { Jump::surely(f64::INFINITY) };
     };
-    if a.cap != b.cap {
-        return f64::MAX;
+    if a.cap != b.cap || a.cap != 0 && normal_a.dot(normal_b) < SAME_PLANE {
+        return Jump::surely(f64::MAX);
     }
     let misses = |from: &Sight, to: &Sight, t: f64| {
         from.plane_along(&to.ray).map_or(f64::INFINITY, |explained| (explained - t).abs())
     };
-    let unexplained = misses(a, b, t_b).min(misses(b, a, t_a));
-    let pixels = unexplained / screen.pixel_size(t_a.min(t_b));
-    if pixels > LEAST_JUMP { pixels } else { 0.0 }
+    let pixel = screen.pixel_size(t_a.min(t_b));
+    let between = b.ray.at(t_b) - a.ray.at(t_a);
+    Jump {
+        depth: misses(a, b, t_b).min(misses(b, a, t_a)) / pixel,
+        apart: normal_a.dot(between).abs().max(normal_b.dot(between).abs()) / pixel,
+    }
 }
 
 /// The contours of what a film shows that no drawn edge shows.
@@ -91,7 +119,7 @@ pub(super) fn contours<E>(
         let inside = pairs.filter(move |(_, (_, x, y))| *x < width && *y < height);
         inside.filter_map(move |(x, (side, to_x, to_y))| {
             let (from, to) = (sight(x, y), sight(to_x, to_y));
-            (jump(screen, &from, &to) > 0.0).then_some(Open { side, pixel: y * width + x, from, to })
+            jump(screen, &from, &to).is_some().then_some(Open { side, pixel: y * width + x, from, to })
         })
     };
     let mut open: Vec<Open> = (0..height).into_par_iter().flat_map_iter(in_row).collect();
@@ -153,8 +181,9 @@ fn halve<E>(screen: &Screen<'_>, open: &mut Vec<Open>, first_hits: &mut FirstHit
             let middle = Sight::new(at, ray, hits.first());
             // Before it ends a surface may turn away so fast that this looks like a lesser jump.
             let [first, second] = [jump(screen, &open.from, &middle), jump(screen, &middle, &open.to)];
-            if first.max(second) > 0.0 {
-                let (from, to) = if first >= second { (open.from, middle) } else { (middle, open.to) };
+            if first.is_some() || second.is_some() {
+                let (from, to) =
+                    if first.apart >= second.apart { (open.from, middle) } else { (middle, open.to) };
                 kept.push(Open { from, to, ..open });
             }
         }
@@ -167,6 +196,6 @@ fn halve<E>(screen: &Screen<'_>, open: &mut Vec<Open>, first_hits: &mut FirstHit
         open.from = Sight::new(open.from.at, open.from.ray, hits[0].first());
         open.to = Sight::new(open.to.at, open.to.ray, hits[1].first());
     }
-    open.retain(|open| jump(screen, &open.from, &open.to) > 0.0);
+    open.retain(|open| jump(screen, &open.from, &open.to).depth > LEAST_JUMP);
     Ok(())
 }

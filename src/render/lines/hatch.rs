@@ -31,7 +31,7 @@ pub(super) fn add_hatches(
         let [x, y] = [film.corner[0] + pixel % film.width, film.corner[1] + pixel / film.width];
         let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let ray = screen.ray(center);
-        let point = ray.origin + ray.direction * (f64::from(film.depth[pixel]) / screen.depth_of(&ray));
+        let point = ray.at(f64::from(film.depth[pixel]) / screen.depth_of(&ray));
         let off = |k: usize| (section.planes()[k].normal.dot(point) - section.planes()[k].offset).abs();
         let Some(k) = (0..section.planes().len()).min_by(|&a, &b| off(a).total_cmp(&off(b))) else {
             continue;
@@ -39,7 +39,7 @@ pub(super) fn add_hatches(
         let place = |at: DVec2| {
             let (ray, plane) = (screen.ray(at), &section.planes()[k]);
             let t = (plane.offset - plane.normal.dot(ray.origin)) / plane.normal.dot(ray.direction);
-            across(&world.planes[k], ray.origin + ray.direction * t - anchor, instance)
+            across(&world.planes[k], ray.at(t) - anchor, instance)
         };
         let here = place(center);
         let slope = DVec2::new(place(center + DVec2::X) - here, place(center + DVec2::Y) - here).length();

@@ -64,6 +64,8 @@ pub struct LineOptions {
 
 /// The width of hidden lines and of hatch lines, as a share of that of visible ones.
 const HIDDEN_WIDTH: f64 = 0.6;
+/// Hidden lines nearer than this to visible ones, in widths of these, would touch them and look like a frayed border of theirs: they are left out.
+const BESIDE: f64 = 0.5 * (1.0 + HIDDEN_WIDTH);
 /// What a dim line covers of what it passes over.
 const DIM: f32 = 0.45;
 /// Dash and gap, in widths of visible lines, or in pixels where lines are finer.
@@ -75,7 +77,8 @@ pub type FirstHits<'a, E> = dyn FnMut(&[Ray]) -> Result<Vec<Vec<Hit>>, E> + 'a;
 /// How far, in pixels, what lines cover of a pixel depends on what others show: as far as a line is wide, and the contour that it is may have ended at an edge
 /// beyond. A part of a picture that is rendered with such a border has the lines of the whole picture, to the bit.
 pub fn margin(options: &LineOptions) -> usize {
-    (0.5 * options.width + 2.0 * contour_cells::TO_EDGE).ceil() as usize + 8
+    let beside = if options.hidden == HiddenLines::Off { 0.5 } else { BESIDE + 0.5 * HIDDEN_WIDTH };
+    (beside * options.width + 2.0 * contour_cells::TO_EDGE).ceil() as usize + 8
 }
 
 /// What the lines of a scene cover of each pixel of `film`, which shows the scene, or part of the picture of it, from `camera`; 0 to 1, top row first.
@@ -110,6 +113,9 @@ pub fn line_coverage<E>(
     if options.contours {
         for ends in contour::contours(&screen, film, &near, first_hits)? {
             mask.add(ends, options.width);
+            let middle = 0.5 * (ends[0] + ends[1]);
+            near.add([ends[0], middle]);
+            near.add([middle, ends[1]]);
         }
     }
     if section.caps && !section.is_empty() {
@@ -118,7 +124,8 @@ pub fn line_coverage<E>(
     if options.hidden != HiddenLines::Off {
         let mut hidden = Mask::new(film.window());
         for (step, _) in steps.iter().zip(&visible).filter(|(_, visible)| !**visible) {
-            if options.hidden == HiddenLines::Dim || is_dash(step.along, options.width) {
+            let is_drawn = options.hidden == HiddenLines::Dim || is_dash(step.along, options.width);
+            if is_drawn && !near.is_near(step.at, BESIDE * options.width) {
                 hidden.add(step.ends, HIDDEN_WIDTH * options.width);
             }
         }

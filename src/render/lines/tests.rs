@@ -112,6 +112,28 @@ fn a_cylinder_shows_two_circles_and_two_silhouettes_and_no_seam() {
     assert!(contours(EdgeChoice::None) > 1.5 * drawn);
 }
 
+/// Where the plane of a flank seen edge on meets what is behind the tooth, neither looks far from the other.
+#[test]
+fn the_contour_of_a_tooth_has_no_gaps() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/gear/model.step");
+    let model = crate::import::import(&path).expect("a fixture");
+    let buffers = bake(&model, &BakeOptions::default(), &|_, _| {});
+    let scene = buffers.scene();
+    let camera = Camera::framing(&Viewpoint::default(), &scene, 1000.0 / 600.0);
+    let [left, top, width, height] = [590, 220, 20, 200];
+    let window = Some(Window { left, top, width, height });
+    let render = RenderOptions { resolution: [1000, 600], samples: 1, window, ..RenderOptions::default() };
+    let film = cpu::render(&scene, &camera, &render, &|_, _| {});
+    let options = options(EdgeChoice::None);
+    let lines = line_coverage(&scene, &camera, &options, &Section::default(), &film, &mut |rays| {
+        first_hits(&scene, rays)
+    });
+    let lines = lines.expect("no device fails");
+    for (row, lines) in lines.chunks_exact(width).enumerate().skip(2).take(height - 4) {
+        assert!(lines.iter().sum::<f32>() > 1.2, "row {}: {lines:?}", top + row);
+    }
+}
+
 #[test]
 fn a_straight_line_covers_its_area() {
     let [width, height] = [200, 120];
