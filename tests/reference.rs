@@ -17,7 +17,7 @@ const RAYS: u64 = 4000;
 const MAJOR: f64 = 2.0;
 const MINOR: f64 = 0.5;
 
-/// A hit is off the equation by so much at most, over the size and over |cos| of its angle to the normal.
+/// A hit is off the equation by so much at most, over the size.
 const TOLERANCE: f64 = 1e-12;
 
 fn wide() -> BakeOptions {
@@ -94,10 +94,11 @@ fn the_reference_agrees_with_equations() {
                 let normal = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize();
                 assert!(normal.dot(expected.hit.normal).abs() > 1.0 - 1e-9, "{name}: {ray:?} {expected:?}");
             }
-            // Two crossings within a step have the sign of none, so that only more of them than hits are wrong for sure; so are hits that are apart.
+            // Two crossings within a step have the sign of none.
             let seen = crossings(&ray, 4.0 * (MAJOR + MINOR), off);
             let is_close =
                 |pair: &[trimray::render::reference::ExpectedHit]| pair[1].hit.t - pair[0].hit.t < 0.01;
+            assert!(seen <= found.len(), "{name}: {ray:?}");
             if !found.windows(2).any(is_close) {
                 assert_eq!(found.len(), seen, "{name}: {ray:?}");
             }
@@ -156,7 +157,7 @@ fn the_reference_agrees_with_open_cascade() {
     let mut files = Vec::new();
     files_below(&corpus, &mut files);
     files.sort();
-    if files.is_empty() {
+    if files.is_empty() || !oracle.exists() {
         eprintln!("skipped: there are no files beside this repository to compare with");
         return;
     }
@@ -195,11 +196,11 @@ fn the_reference_agrees_with_open_cascade() {
         }
         eprintln!("{}: {agreeing} of {certain} certain rays agree", path.display());
         models += 1;
-        alike += usize::from(agreeing * 100 >= certain * 99);
+        alike += usize::from(certain > 0 && agreeing * 100 >= certain * 99);
         compared += certain;
     }
     errors.sort_by(f64::total_cmp);
-    let median = errors[errors.len() / 2];
+    let median = errors.get(errors.len() / 2).copied().unwrap_or(f64::INFINITY);
     eprintln!(
         "{models} files: on {alike} agree 99 % of the certain rays, {compared} in all; median error {median:.1e}"
     );

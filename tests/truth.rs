@@ -7,7 +7,7 @@ use trimray::bake::{BakeOptions, bake};
 use trimray::bench::chord;
 use trimray::brep::{Body, BodyKind, Face, Id, Model, Part, primitive};
 use trimray::geometry::{BsplineSurface, Frame, Homogeneous, Surface};
-use trimray::render::cpu::{Precision, probe, probe_with};
+use trimray::render::cpu::{Precision, probe, probe_alone};
 use trimray::render::{Exactness, Ray};
 use trimray::scene::{FaceKind, SceneBuffers};
 
@@ -281,7 +281,7 @@ fn poles_of_a_net_are_met_once() {
         .filter(|ray| ray.direction.z.abs() > 0.05)
         .collect();
     for (precision, off) in [(Precision::F32, 4e-6), (Precision::F64, 4e-6)] {
-        for (ray, hits) in rays.iter().zip(probe_with(&scene, &rays, precision, false, Exactness::Exact)) {
+        for (ray, hits) in rays.iter().zip(probe_alone(&scene, &rays, precision, Exactness::Exact)) {
             assert_eq!(hits.len(), 2, "{precision:?} {ray:?}: {hits:?}");
             for hit in hits {
                 let at = ray.origin + ray.direction * hit.t;
@@ -291,7 +291,7 @@ fn poles_of_a_net_are_met_once() {
         }
         // From pole to pole.
         for exactness in [Exactness::Fast, Exactness::Balanced] {
-            let axis = probe_with(&scene, &rays[rays.len() - 1..], precision, false, exactness);
+            let axis = probe_alone(&scene, &rays[rays.len() - 1..], precision, exactness);
             assert_eq!(axis[0].len(), 2, "{precision:?} {exactness:?}: {axis:?}");
         }
     }

@@ -5,7 +5,7 @@
 
 use super::misclassified::{WrongHits, count_misclassified};
 use super::rays::chord;
-use crate::render::cpu::{Precision, probe_with};
+use crate::render::cpu::{Precision, probe_alone};
 use crate::render::reference::{ExpectedHit, Reference, TOLERANCE};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
@@ -117,7 +117,7 @@ pub(super) fn measure_rays(
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         let clock = Instant::now();
-        let found = probe_with(scene, &rays, tracer.precision, false, tracer.exactness);
+        let found = probe_alone(scene, &rays, tracer.precision, tracer.exactness);
         elapsed += clock.elapsed().as_secs_f64();
         let compared: Vec<Option<Comparison>> = rays
             .par_iter()

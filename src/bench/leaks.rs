@@ -24,13 +24,13 @@ pub struct Leaks {
     pub odd: u64,
     /// Those that were odd before hits were left out to make them even.
     pub odd_before: u64,
-    /// Rays whose answer is that of a ray beside them, for their own is odd.
+    /// Rays whose own hits are odd on a closed body, and are made up by those of a ray beside them.
     pub beside: u64,
     /// Hits left out.
     pub left_out: u64,
     /// Rays with two hits at one place of a body and from one side: even, but not right.
     pub repeated: u64,
-    /// The first of those, as many as asked for.
+    /// The first odd rays, as many as asked for.
     pub shown: Vec<Ray>,
 }
 
@@ -127,10 +127,10 @@ fn count_odd(
     for start in (first..first + count).step_by(BATCH as usize) {
         let rays: Vec<Ray> = (start..(start + BATCH).min(first + count)).map(ray).collect();
         for (ray, choice) in rays.iter().zip(choices(scene, &rays, precision)) {
-            let Choice { places, hits, is_repeated, is_beside } = choice;
+            let Choice { places, own, hits, is_repeated, is_beside } = choice;
             leaks.odd += (hits % 2) as u64;
             leaks.odd_before += (places % 2) as u64;
-            leaks.left_out += places.saturating_sub(hits) as u64;
+            leaks.left_out += (places - own) as u64;
             leaks.beside += u64::from(is_beside);
             leaks.repeated += u64::from(is_repeated);
             if hits % 2 == 1 && leaks.shown.len() < show {

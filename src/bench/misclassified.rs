@@ -1,7 +1,7 @@
 //! Which wrong hits are the trims' fault: their places on the surface are right, and only inside or outside was told otherwise.
 
 use super::accuracy::{Tracer, is_same_hit};
-use crate::render::cpu::{Untrimmed, probe_with};
+use crate::render::cpu::{Untrimmed, probe_alone};
 use crate::render::reference::{ExpectedHit, Reference};
 use crate::render::{Hit, Ray};
 use crate::scene::Scene;
@@ -18,7 +18,7 @@ pub(super) struct WrongHits {
     pub phantom: Vec<Hit>,
 }
 
-/// How many of the hits the other side would have had without trims. A missed one in a leaf that the bake left out as wholly trimmed away is not among
+/// How many of the hits the other side would have had without trims, and without closed bodies, of whose hits some are left out. A missed one in a leaf that the bake left out as wholly trimmed away is not among
 /// them, nor a made-up one of which the reference is not certain there.
 pub(super) fn count_misclassified(
     scene: &Scene<'_>,
@@ -34,7 +34,7 @@ pub(super) fn count_misclassified(
     let bare_truth = Untrimmed::new(reference.scene());
     let bare_truth = Reference::new(bare_truth.scene(reference.scene()));
     let count = |WrongHits { ray, missed, phantom }: &WrongHits| {
-        let found = &probe_with(&bare, &[*ray], tracer.precision, false, tracer.exactness)[0];
+        let found = &probe_alone(&bare, &[*ray], tracer.precision, tracer.exactness)[0];
         let is_met = |expected: &&ExpectedHit| found.iter().any(|hit| is_same_hit(expected, hit));
         let expected = bare_truth.trace(ray).unwrap_or_default();
         let is_there = |hit: &&Hit| expected.iter().any(|expected| is_same_hit(expected, hit));

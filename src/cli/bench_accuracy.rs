@@ -46,7 +46,14 @@ struct Errors {
 
 pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    let mut rows = String::from(COLUMNS) + "\n";
+    let mut csv = match &command.csv {
+        None => None,
+        Some(path) => {
+            let mut file = fs::File::create(path).with_context(|| path.display().to_string())?;
+            writeln!(file, "{COLUMNS}")?;
+            Some(file)
+        }
+    };
     if !command.json {
         write_head(&mut out)?;
     }
@@ -66,7 +73,9 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
             let accuracy =
                 measure_accuracy(&scene, &reference, tracer, command.distance, command.first, command.rays);
             let line = line(path, precision, against, &accuracy);
-            rows += &csv_row(&line);
+            if let Some(file) = &mut csv {
+                file.write_all(csv_row(&line).as_bytes())?;
+            }
             if command.json {
                 serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
                 writeln!(out)?;
@@ -76,10 +85,7 @@ pub(super) fn run(command: &BenchAccuracy, general: &General) -> anyhow::Result<
             out.flush()?;
         }
     }
-    match &command.csv {
-        Some(path) => fs::write(path, rows).with_context(|| path.display().to_string()),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 fn line<'a>(path: &'a Path, precision: &'static str, against: &'static str, found: &Accuracy) -> Line<'a> {

@@ -137,3 +137,15 @@ macro_rules! impl_real {
 }
 impl_real!(f32);
 impl_real!(f64);
+
+#[cfg(test)]
+mod tests {
+    use super::Real;
+
+    #[test]
+    fn the_other_is_taken_where_one_is_no_number() {
+        assert_eq!([Real::min(1.0, 2.0), Real::min(2.0, 1.0), Real::min(f64::NAN, 1.0)], [1.0; 3]);
+        assert_eq!([Real::max(1.0, 2.0), Real::max(2.0, 1.0), Real::max(f32::NAN, 2.0)], [2.0; 3]);
+        assert!(Real::min(1.0, f32::NAN).is_nan() && Real::max(1.0, f32::NAN).is_nan());
+    }
+}

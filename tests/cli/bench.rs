@@ -39,7 +39,18 @@ fn accuracy_is_told_for_each_precision() {
     let outcome = bench.run("bench accuracy knob.step --rays 100 --exactness fast --json").expect(0);
     let line: Value = serde_json::from_str(outcome.text().lines().next().expect("a line")).expect("JSON");
     assert_eq!((&line["rays"], &line["misclassified"]), (&100.into(), &0.into()), "{line}");
+    assert!(line["hits"].as_u64().expect("a count") > 20, "{line}");
     bench.run("bench accuracy knob.step --exactness much").expect(2);
+}
+
+#[test]
+fn leaks_tell_rays_that_others_answer() {
+    let bench = with_knob();
+    let outcome = bench.run("bench leaks knob.step --rays 200 --precision f32 --json").expect(0);
+    let line: Value = serde_json::from_str(outcome.text()).expect("JSON");
+    assert_eq!((&line["aimed"]["odd"], &line["aimed"]["beside"]), (&0.into(), &0.into()), "{line}");
+    let outcome = bench.run("bench stress --only same-egg --rays 20 --precision f64").expect(0);
+    assert!(outcome.text().contains("restart"), "{}", outcome.text());
 }
 
 #[test]

@@ -183,7 +183,7 @@ fn closed_fixtures_do_not_leak() {
         let scene = buffers.scene();
         let points = edge_points(&model);
         let aimed: Vec<Ray> = (0..FIXTURE_RAYS).map(|index| aimed(&scene, &points, index)).collect();
-        let found = gpu.probe(&gpu.upload(&scene).unwrap(), &aimed, false).unwrap();
+        let found = gpu.probe_alone(&gpu.upload(&scene).unwrap(), &aimed).unwrap();
         let odd: Vec<&Ray> =
             aimed.iter().zip(&found).filter(|(_, hits)| hits.len() % 2 == 1).map(|x| x.0).collect();
         assert!(odd.is_empty(), "{name}: {odd:?}");
@@ -206,8 +206,8 @@ fn poles_agree() {
         ray.origin = pole + beside - ray.direction * 20.0;
     }
     let on_gpu = gpu.upload(&scene).unwrap();
-    let expected = cpu::probe(&scene, &rays, Precision::F32, false);
-    let found = gpu.probe(&on_gpu, &rays, false).unwrap();
+    let expected = cpu::probe_alone(&scene, &rays, Precision::F32, Exactness::default());
+    let found = gpu.probe_alone(&on_gpu, &rays).unwrap();
     for ((ray, on_cpu), on_gpu) in rays.iter().zip(&expected).zip(&found) {
         let is_through_pole = ray.origin.length() > 18.0;
         assert!(!is_through_pole || on_gpu.len() == 2, "{ray:?}: {on_gpu:?}");
@@ -236,12 +236,12 @@ fn canaries_are_noticed() {
         ("a net point moved by a hundredth", |scene| scene.net_points[5][2] += 0.01),
     ];
     let rays = chords(&buffers.scene(), 6_000);
-    let expected = cpu::probe(&buffers.scene(), &rays, Precision::F32, false);
+    let expected = cpu::probe_alone(&buffers.scene(), &rays, Precision::F32, Exactness::default());
     for (name, change) in wrong {
         let mut changed = synthetic::every_kind();
         change(&mut changed);
         let scene = changed.scene();
-        let found = gpu.probe(&gpu.upload(&scene).unwrap(), &rays, false).unwrap();
+        let found = gpu.probe_alone(&gpu.upload(&scene).unwrap(), &rays).unwrap();
         let difference = compare_hits(&rays, &expected, &found, radius(&scene), false);
         eprintln!("{name}: {difference:?}");
         assert!(difference.agreement() < LEAST_AGREEMENT, "{name} is not noticed: {difference:?}");

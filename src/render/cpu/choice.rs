@@ -4,7 +4,7 @@ use super::beside::{Settled, settle};
 use super::footprint::{LONGEST, same_place};
 use super::hit::world_slack;
 use super::parity::Crossing;
-use super::probe::{met_hits, places};
+use super::probe::met_hits;
 use super::ray_space::prepare;
 use super::vector::number;
 use super::{Kernel, Precision};
@@ -17,11 +17,13 @@ use rayon::prelude::*;
 pub struct Choice {
     /// Places where it meets a face, before those are left out that its bodies cannot have.
     pub places: usize,
+    /// Those that its bodies can have.
+    pub own: usize,
     /// Hits of the answer.
     pub hits: usize,
     /// Whether two of those are at one place of a body and from one side.
     pub is_repeated: bool,
-    /// Whether the answer is that of a ray beside it.
+    /// Whether some hits of the answer are those of a ray beside it.
     pub is_beside: bool,
 }
 
@@ -38,9 +40,9 @@ fn choice<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Choice {
         return Choice::default();
     };
     let met = met_hits(scene, Exactness::default(), &prepared);
-    let places = places(scene, &prepared, met.clone()).len();
-    let Settled { crossings, is_beside } = settle(scene, Exactness::default(), &prepared, met);
-    Choice { places, hits: crossings.len(), is_repeated: is_repeated(scene, &crossings), is_beside }
+    let Settled { crossings, places, own, is_beside } = settle(scene, Exactness::default(), &prepared, met);
+    let is_repeated = is_repeated(scene, &crossings);
+    Choice { places, own, hits: crossings.len(), is_repeated, is_beside }
 }
 
 fn is_repeated<T: Kernel>(scene: &Scene<'_>, hits: &[Crossing<T>]) -> bool {

@@ -51,7 +51,7 @@ pub fn consistent<T: Kernel>(
 }
 
 /// Whether each closed body has an even number of the hits, given by instance and face, as it has of those of a ray from outside.
-pub fn leaves_as_often_as_it_enters(scene: &Scene<'_>, hits: impl Iterator<Item = (u32, u32)>) -> bool {
+pub fn has_even_hits(scene: &Scene<'_>, hits: impl Iterator<Item = (u32, u32)>) -> bool {
     let of_body = |(instance, face): (u32, u32)| (instance, scene.faces[face as usize].body);
     let mut bodies: SmallVec<[(u32, u32); 16]> = hits.map(of_body).collect();
     bodies.sort_unstable();
@@ -136,7 +136,7 @@ fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> 
 fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>) -> T) -> Vec<bool> {
     let mut stays = vec![true; crossings.len()];
     let slacks: Vec<T> = crossings.iter().map(slack).collect();
-    let widest = slacks.iter().fold(T::ZERO, |widest, &slack| widest.max(slack));
+    let widest = slacks.iter().fold(T::ZERO, |widest, &slack| slack.max(widest));
     let mut staying: Vec<usize> = Vec::with_capacity(crossings.len());
     for index in 0..crossings.len() {
         let own = &crossings[index];

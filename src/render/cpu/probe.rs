@@ -3,7 +3,7 @@
 use super::beside::settle;
 use super::footprint::{LONGEST, same_place};
 use super::hit::{finish_hit, hit_normal, world_slack};
-use super::parity::Crossing;
+use super::parity::{Crossing, consistent};
 use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{RawHit, first_hit, trace};
 use super::vector::number;
@@ -18,6 +18,38 @@ pub const MAX_HITS: usize = 1 << 16;
 /// All hits of each ray, sorted by t; or only the first of each, which is the first of all. In f32 where the scene has no f64 arrays.
 pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
     probe_with(scene, rays, precision, first_only, Exactness::default())
+}
+
+/// All hits of each ray as [`probe`] has them, but without the help of rays beside it: what the tracer itself finds.
+pub fn probe_alone(
+    scene: &Scene<'_>,
+    rays: &[Ray],
+    precision: Precision,
+    search: impl Into<NetSearch>,
+) -> Vec<Vec<Hit>> {
+    let search = search.into();
+    let exact = precision == Precision::F64 && scene.has_f64();
+    let trace = |ray: &Ray| match exact {
+        true => alone::<f64>(scene, search, ray),
+        false => alone::<f32>(scene, search, ray),
+    };
+    rays.par_iter().map(trace).collect()
+}
+
+fn alone<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray) -> Vec<Hit> {
+    let Some(prepared) = prepare::<T>(ray, scene.header) else { return Vec::new() };
+    let hits = consistent_hits(scene, &prepared, met_hits(scene, search, &prepared));
+    hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect()
+}
+
+/// Those that bodies can have, of all that were met.
+pub fn consistent_hits<T: Kernel>(
+    scene: &Scene<'_>,
+    prepared: &PreparedRay<T>,
+    met: Vec<RawHit<T>>,
+) -> Vec<RawHit<T>> {
+    let crossings = consistent(scene, prepared.starts_outside, places(scene, prepared, met));
+    crossings.into_iter().map(|crossing| crossing.hit).collect()
 }
 
 /// [`probe`] with the search of choice.

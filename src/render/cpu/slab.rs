@@ -118,7 +118,6 @@ fn cut<T: Real>(at: T, along: T, reach: T, enter: &mut T, leave: &mut T) {
     }
     let inverse = T::ONE / along;
     let (first, second) = ((-reach - at) * inverse, (reach - at) * inverse);
-    // What is no number clips nothing.
     *enter = first.min(second).max(*enter);
     *leave = first.max(second).min(*leave);
 }

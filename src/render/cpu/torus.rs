@@ -100,7 +100,6 @@ fn clip_to_slab<T: Real>(from: &mut T, to: &mut T, z: T, dz: T, half: T) {
         return;
     }
     let (a, b) = ((-half - z) / dz, (half - z) / dz);
-    // What is no number clips nothing.
     *from = a.min(b).max(*from);
     *to = a.max(b).min(*to);
 }

@@ -7,13 +7,14 @@
 use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::hit::finish_hit;
-use crate::render::cpu::probe::settled;
+use crate::render::cpu::probe::{consistent_hits, settled};
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
 use crate::render::cpu::trace::RawHit;
 use crate::render::cpu::{self, NO_NET};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
 
 /// Slots per ray of the first pass.
 const FIRST_SLOTS: u32 = 8;
@@ -61,6 +62,8 @@ pub struct ProbeHit {
 struct Wanted {
     first_only: bool,
     exactness: Exactness,
+    /// Without the help of rays beside.
+    alone: bool,
 }
 
 /// What rays have been found to hit, and which of the first hits are not certain to be hits: those of all hits decide.
@@ -104,7 +107,26 @@ impl Gpu {
         first_only: bool,
         exactness: Exactness,
     ) -> Result<Vec<Vec<Hit>>, GpuError> {
-        let wanted = Wanted { first_only, exactness };
+        self.probe_wanted(scene, rays, Wanted { first_only, exactness, alone: false })
+    }
+
+    /// As [`cpu::probe_alone`].
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn probe_alone(&self, scene: &GpuScene<'_>, rays: &[Ray]) -> Result<Vec<Vec<Hit>>, GpuError> {
+        let exactness = Exactness::default();
+        self.probe_wanted(scene, rays, Wanted { first_only: false, exactness, alone: true })
+    }
+
+    fn probe_wanted(
+        &self,
+        scene: &GpuScene<'_>,
+        rays: &[Ray],
+        wanted: Wanted,
+    ) -> Result<Vec<Vec<Hit>>, GpuError> {
+        let Wanted { first_only, exactness, alone } = wanted;
         let mut answers = Answers { hits: vec![Vec::new(); rays.len()], uncertain: Vec::new() };
         let slots = if first_only { 1 } else { FIRST_SLOTS };
         for (first, batch) in (0..).step_by(BATCH_RAYS).zip(rays.chunks(BATCH_RAYS)) {
@@ -118,14 +140,17 @@ impl Gpu {
             let left = self.probe_twice(scene, &cut_short, wanted, NARROW, &mut answers)?;
             // What a software device gives up on, a few rays through poles, the twin answers.
             let given_up: Vec<Ray> = left.iter().map(|ray| rays[ray.index]).collect();
-            let hits = cpu::probe_with(&scene.scene, &given_up, cpu::Precision::F32, first_only, exactness);
+            let hits = match alone {
+                true => cpu::probe_alone(&scene.scene, &given_up, cpu::Precision::F32, exactness),
+                false => cpu::probe_with(&scene.scene, &given_up, cpu::Precision::F32, first_only, exactness),
+            };
             for (ray, hits) in left.iter().zip(hits) {
                 answers.hits[ray.index] = hits;
             }
         }
         if !answers.uncertain.is_empty() {
             let uncertain: Vec<Ray> = answers.uncertain.iter().map(|&index| rays[index]).collect();
-            let all = self.probe_with(scene, &uncertain, false, exactness)?;
+            let all = self.probe_wanted(scene, &uncertain, Wanted { first_only: false, ..wanted })?;
             for (index, hits) in answers.uncertain.into_iter().zip(all) {
                 answers.hits[index] = hits.into_iter().take(1).collect();
             }
@@ -167,6 +192,7 @@ impl Gpu {
         }
         let (hits, counts) = self.dispatch_rays(scene, pending, wanted, lanes)?;
         let mut first_slot = 0;
+        let mut met: Vec<(Pending, Vec<RawHit<f32>>)> = Vec::with_capacity(pending.len());
         for (ray, &count) in pending.iter().zip(&counts) {
             let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
             first_slot += ray.slots as usize;
@@ -186,13 +212,20 @@ impl Gpu {
             if count > ray.slots {
                 raw.iter_mut().for_each(|hit| hit.is_certain = false);
             }
-            let hits = if wanted.first_only {
-                raw
-            } else {
-                settled(&scene.scene, wanted.exactness, &ray.prepared, raw)
+            met.push((*ray, raw));
+        }
+        let of_ray = |(ray, raw): (Pending, Vec<RawHit<f32>>)| {
+            let (scene, prepared) = (&scene.scene, &ray.prepared);
+            let hits = match wanted {
+                Wanted { first_only: true, .. } => raw,
+                Wanted { alone: true, .. } => consistent_hits(scene, prepared, raw),
+                _ => settled(scene, wanted.exactness, prepared, raw),
             };
-            let finish = |hit| finish_hit(&scene.scene, hit, ray.prepared.start);
-            answers.hits[ray.index] = hits.iter().map(finish).collect();
+            (ray.index, hits.iter().map(|hit| finish_hit(scene, hit, prepared.start)).collect())
+        };
+        let found: Vec<(usize, Vec<Hit>)> = met.into_par_iter().map(of_ray).collect();
+        for (index, hits) in found {
+            answers.hits[index] = hits;
         }
         Ok((crowded, cut_short))
     }

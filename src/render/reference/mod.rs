@@ -17,7 +17,7 @@ use super::cpu::bernstein::{net_degrees, net_jet};
 use super::cpu::cover::to_window;
 use super::cpu::frames::{FaceFrame, Kernel};
 use super::cpu::hit::finish_hit;
-use super::cpu::parity::leaves_as_often_as_it_enters;
+use super::cpu::parity::has_even_hits;
 use super::cpu::ray_space::{
     Distance, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
 };
@@ -136,7 +136,7 @@ impl<'a> Reference<'a> {
         found.sort_by(|a, b| a.raw.distance.to_f64().total_cmp(&b.raw.distance.to_f64()));
         let kept = merge_borders(found)?;
         let of_bodies = kept.iter().map(|c| (c.raw.instance, c.raw.face));
-        if !leaves_as_often_as_it_enters(&self.scene, of_bodies) {
+        if !has_even_hits(&self.scene, of_bodies) {
             return None;
         }
         let expected = |c: &Candidate| {
