@@ -7,7 +7,7 @@ use crate::bake::{TrimRegions, retrim};
 use crate::bench::rays::chord;
 use crate::bench::work::on_one_thread;
 use crate::render::cpu::{
-    Precision, TrimCounts, TrimQuery, answer, answers_counted, pixel_ray, probe_with, trim_queries,
+    Precision, TrimCounts, TrimQuery, answers_counted, count_inside, pixel_ray, probe_with, trim_queries,
 };
 use crate::render::{Camera, Exactness, Ray, Viewpoint};
 use crate::scene::{Scene, SceneBuffers, TrimMethod, section_bytes};
@@ -225,10 +225,6 @@ fn time(scene: &Scene<'_>, set: &QuerySet, runs: usize) -> SetMeasure {
 /// Trims per second on one thread.
 pub(super) fn trim_rate(scene: &Scene<'_>, queries: &[TrimQuery], runs: usize) -> Rate {
     on_one_thread(|| rate(queries.len(), runs, || count_inside(scene, queries)))
-}
-
-fn count_inside(scene: &Scene<'_>, queries: &[TrimQuery]) -> usize {
-    queries.iter().filter(|query| answer(scene, query)).count()
 }
 
 /// How fast `work` does `amount` of it.

@@ -7,11 +7,10 @@
 use super::NO_NET;
 use super::ray_space::{Distance, prepare};
 use super::trace::{RawHit, comes_before, face_parameters, trace};
-use super::trim::trim_counted;
-use super::trim::trim_inside;
-use super::trim_study::TrimCounts;
+use super::trim::{packed_inside, study_method, trim_counted, trim_inside};
+use super::trim_study::{TrimCounts, study_inside};
 use crate::render::{Exactness, Ray};
-use crate::scene::{Face, Metadata, NetLeaf, Scene, TRIM_INSIDE};
+use crate::scene::{Face, Metadata, NetLeaf, Scene, TRIM_INSIDE, TrimMethod};
 use rayon::prelude::*;
 
 /// Rays whose queries are gathered together.
@@ -97,6 +96,35 @@ pub fn first_hit_counts(scene: &Scene<'_>, untrimmed: &Untrimmed, ray: &Ray) -> 
 #[inline]
 pub fn answer(scene: &Scene<'_>, query: &TrimQuery) -> bool {
     trim_inside(scene, scene.faces[query.face as usize].trim_root, query.uv)
+}
+
+/// How many queries are inside: a loop for this program's own method and one for those of the study, neither of which needs registers for the other.
+pub fn count_inside(scene: &Scene<'_>, queries: &[TrimQuery]) -> usize {
+    match study_method(scene) {
+        Some(method) => count_by_study(scene, method, queries),
+        None => count_by_packed(scene, queries),
+    }
+}
+
+#[inline(never)]
+fn count_by_study(scene: &Scene<'_>, method: TrimMethod, queries: &[TrimQuery]) -> usize {
+    count(scene, queries, |root, uv| {
+        study_inside::<f32, false>(scene, method, root, uv, &mut TrimCounts::default())
+    })
+}
+
+#[inline(never)]
+fn count_by_packed(scene: &Scene<'_>, queries: &[TrimQuery]) -> usize {
+    count(scene, queries, |root, uv| packed_inside(scene, root, uv))
+}
+
+#[inline(always)]
+fn count(scene: &Scene<'_>, queries: &[TrimQuery], inside: impl Fn(u32, [f32; 2]) -> bool) -> usize {
+    let is_inside = |query: &&TrimQuery| {
+        let root = scene.faces[query.face as usize].trim_root;
+        root == TRIM_INSIDE || inside(root, query.uv)
+    };
+    queries.iter().filter(is_inside).count()
 }
 
 /// The answers to queries, and what they cost.

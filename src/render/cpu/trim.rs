@@ -54,14 +54,45 @@ fn trim<T: Real, const NEAR: bool, const COUNT: bool>(
     if root == TRIM_INSIDE {
         return TrimPoint { inside: true, is_near: false };
     }
-    if scene.header.trim_method < TrimMethod::PACKED.number() {
-        let inside = TrimMethod::from_number(scene.header.trim_method).is_some_and(|method| match COUNT {
+    if let Some(method) = study_method(scene) {
+        let inside = match COUNT {
             true => study_inside::<T, true>(scene, method, root, uv, counts),
             // Counts that live here alone, so that other queries need not make any.
-            false => study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default()),
-        });
+            false => study_trim(scene, method, root, uv),
+        };
         return TrimPoint { inside, is_near: false };
     }
+    packed::<T, NEAR, COUNT>(scene, root, uv, extent, counts)
+}
+
+/// The scene's method where it is one of the study, but for those of this program's own.
+#[inline(always)]
+pub fn study_method(scene: &Scene<'_>) -> Option<TrimMethod> {
+    let number = scene.header.trim_method;
+    if number < TrimMethod::PACKED.number() { TrimMethod::from_number(number) } else { None }
+}
+
+/// Apart, so that the queries of scenes for use need no registers for it.
+#[cold]
+#[inline(never)]
+fn study_trim<T: Real>(scene: &Scene<'_>, method: TrimMethod, root: u32, uv: [T; 2]) -> bool {
+    study_inside::<T, false>(scene, method, root, uv, &mut TrimCounts::default())
+}
+
+/// [`trim_inside`] of a face with trims in a scene of this program's own method.
+#[inline(always)]
+pub fn packed_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool {
+    packed::<T, false, false>(scene, root, uv, [T::ZERO; 2], &mut TrimCounts::default()).inside
+}
+
+#[inline(always)]
+fn packed<T: Real, const NEAR: bool, const COUNT: bool>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    counts: &mut TrimCounts,
+) -> TrimPoint {
     // Pieces along the window's far borders are in no cell: a point on them is decided just before.
     let uv = [uv[0].min(T::from_f32(BEFORE_ONE)), uv[1].min(T::from_f32(BEFORE_ONE))];
     let query = Query::<T, NEAR, COUNT> { scene, root: root as usize, uv, extent };
