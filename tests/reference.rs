@@ -40,7 +40,7 @@ fn scene_of(surface: Surface) -> SceneBuffers {
 fn turned_circle(major: f64, minor: f64) -> Surface {
     let corners: [[i32; 2]; 9] =
         [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1]];
-    let weight = |index: usize| if index % 2 == 0 { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
+    let weight = |index: usize| if index.is_multiple_of(2) { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
     let profile = if major > 0.0 { &corners[..] } else { &corners[..5] };
     let points = corners.iter().enumerate().flat_map(|(i, around)| {
         profile.iter().enumerate().map(move |(j, along)| {
