@@ -18,8 +18,8 @@ pub(super) struct WrongHits {
     pub phantom: Vec<Hit>,
 }
 
-/// How many of the hits the other side would have had without trims, and without closed bodies, of whose hits some are left out. A missed one in a leaf that the bake left out as wholly trimmed away is not among
-/// them, nor a made-up one of which the reference is not certain there.
+/// How many of the hits the other side would have had without trims, and without closed bodies, of whose hits some are left out. A missed one in a
+/// leaf that the bake left out as wholly trimmed away is not among them, nor a made-up one of which the reference is not certain there.
 pub(super) fn count_misclassified(
     scene: &Scene<'_>,
     reference: &Reference<'_>,

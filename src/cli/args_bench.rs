@@ -81,11 +81,12 @@ pub(super) struct BenchStages {
 /// Hits of the CPU tracer against an f64 reference that subdivides every net: missed and made-up hits, errors, time per ray.
 ///
 /// Rays are chords of the scene's bounding sphere. The reference is certain of a ray unless 2⁻²¹ of a face's size, or twice the gap of its edges, would
-/// change its hits, and unless it has an odd number of them itself on closed bodies (`bench leaks` counts those); only certain rays are compared. `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total`
-/// compares with the model's f64 numbers, so that the baking counts too. `trims` counts the missed and made-up hits whose place is right, so that a trim
-/// was decided otherwise, or a hit left out that its body cannot have. Errors of distance are relative to the size of the net or face piece
-/// that was hit, `steep` is the 99.9th percentile where |cos| of the angle to the normal is above 0.2; `angle` is that of normals in radians, and `uv` that of the
-/// surface parameters as a length along the surface, over that size.
+/// change its hits, and unless it has an odd number of them itself on closed bodies (`bench leaks` counts those); only certain rays are compared.
+/// `tracer` compares with the baked numbers, so that what differs is the tracer's own error; `total` compares with the model's f64 numbers, so that
+/// the baking counts too. `trims` counts the missed and made-up hits whose place is right, so that a trim was decided otherwise, or a hit left out
+/// that its body cannot have. Errors of distance are relative to the size of the net or face piece that was hit, `steep` is the 99.9th percentile
+/// where |cos| of the angle to the normal is above 0.2; `angle` is that of normals in radians, and `uv` that of the surface parameters as a length
+/// along the surface, over that size.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -154,8 +155,9 @@ pub(super) struct BenchWork {
 /// Half of the rays are chords of the scene's bounding sphere, half pass by edges at 1e-9 to 1e-3 of the scene's size. `closed` says whether the
 /// model is made of whole solids alone; where it is not, odd rays are no fault. Rates are upper bounds at 95 %. Near edges and tangents more hits are
 /// found than a body can have: `before` counts the rays that are odd before the fewest hits are left out that make them even, `left out` those
-/// hits, `repeated` the rays that keep two hits at one place and from one side, and `beside` the rays that are odd on a closed body and made even by hits of a ray moved aside,
-/// by a millionth to a 2,048th of the scene's radius, or by leaving out one of two hits where faces overlap by no more than that.
+/// hits, `repeated` the rays that keep two hits at one place and from one side, and `beside` the rays that are odd on a closed body and made even by
+/// hits of a ray moved aside, by a millionth to a 2,048th of the scene's radius, or by leaving out one of two hits where faces overlap by no more
+/// than that.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -186,8 +188,8 @@ pub(super) struct BenchLeaks {
 ///
 /// Each scene is traced with rays made for it (near tangents, past slivers, through edges, from afar) and with chords of its sphere. Only rays
 /// of which the reference is certain are compared; odd rays are counted on closed solids. The scenes called same-… are traced again moved,
-/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, and started again at each of their hits (`restart`), where all hits have to stay within 1e-6 of the
-/// scene's size in f32 and 1e-12 in f64. Rates are upper bounds at 95 %.
+/// turned, scaled, of higher degree, with more knots, in other parameters and turned around, and started again at each of their hits (`restart`),
+/// where all hits have to stay within 1e-6 of the scene's size in f32 and 1e-12 in f64. Rates are upper bounds at 95 %.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -2,12 +2,12 @@
 //!
 //! Channels, named by layer as compositing tools expect: `R G B A` in half floats (premultiplied, as OpenEXR wants it), and of the layers that the film
 //! has `depth.Z` and `position.X Y Z` in millimetres, `normal.X Y Z` in world space, `uv.U V`, `mean_curvature.V` in 1/mm and
-//! `gaussian_curvature.V` in 1/mm² (single values, that is how Blender takes numbers that are neither colour nor vector), `albedo.R G B` in half floats, `id.part` and
-//! `id.face` as u32 (1 + index, 0 where nothing is hit), those of Cryptomatte, `edges.A`, what lines cover, in half floats, and `trim.tests` as u32. A part of
-//! a larger picture has its place as its data window and the whole as its display window.
-//! Nuke takes what is before the dot for the layer, and `depth.Z` is its own; Blender takes a last word of one letter for the component and the word before it
-//! for the pass, and makes of `id` one pass of two numbers.
-//! ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read everywhere.
+//! `gaussian_curvature.V` in 1/mm² (single values, that is how Blender takes numbers that are neither colour nor vector), `albedo.R G B` in half
+//! floats, `id.part` and `id.face` as u32 (1 + index, 0 where nothing is hit), those of Cryptomatte, `edges.A`, what lines cover, in half floats, and
+//! `trim.tests` as u32. A part of a larger picture has its place as its data window and the whole as its display window. Nuke takes what is before
+//! the dot for the layer, and `depth.Z` is its own; Blender takes a last word of one letter for the component and the word before it for the pass,
+//! and makes of `id` one pass of two numbers. ZIP over 16 lines: lossless for every type, the smallest of the lossless ones on rendered CAD, and read
+//! everywhere.
 
 use super::files::ImageError;
 use super::{Film, Window, cryptomatte};

@@ -22,8 +22,8 @@
 //!
 //! Why: the state is known at the cell's lower left corner. Walk up just inside the left edge, u₀, then right to the point; each
 //! crossing flips. A segment that spans u₀ is met by the walk up or passes left of the way right, and which of them follows from
-//! heights alone: one that rises to the right is met on one of the two legs for every v from `low.v` on unless it passes left of the point, one that falls for every v
-//! from `high.v` on. Toggles at heights below the cell are the same for all of its points and so part of `corner`.
+//! heights alone: one that rises to the right is met on one of the two legs for every v from `low.v` on unless it passes left of the point, one that
+//! falls for every v from `high.v` on. Toggles at heights below the cell are the same for all of its points and so part of `corner`.
 
 use super::layout::MAX_DEGREE;
 use bytemuck::{Pod, Zeroable};

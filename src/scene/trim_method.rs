@@ -2,7 +2,8 @@
 //!
 //! 1 to 29 are the rows of Table 2 of Sloup and Havran 2021: a list of curves (LC; Martin, Cohen, Fish and Shirley 2000), horizontal slabs (HS;
 //! Schollmeyer and Fröhlich 2009), kd-trees on curves (KC) and on curvesets (KCS, and KCS of Schollmeyer and Fröhlich 2019), with refinement of leaves (R),
-//! parallel boxing (B), empty space cutting off (E) and overlap minimisation (M). 30 is this program's own, the default; 31 is the same without curves, decided by bands as narrow as what f32 resolves.
+//! parallel boxing (B), empty space cutting off (E) and overlap minimisation (M). 30 is this program's own, the default; 31 is the same without
+//! curves, decided by bands as narrow as what f32 resolves.
 
 use std::fmt;
 use std::str::FromStr;

@@ -53,7 +53,7 @@ pub const SLAB_STEPS: f32 = 32_765.0;
 pub const SLAB_MASK: u32 = 0x7fff;
 
 /// The slab of a box whose diagonal, from the low to the high end, is `(dx, dy)`: with `d = x · dy − y · dx` for a point (x, y) from the low end and
-/// steps of `max(|dx|, dy)² / SLAB_STEPS`, the curve has `−left <= d <= right`, rounded up. The orientation of the diagonal, a bit in the seed, is that
+/// steps of `max(|dx|, dy)² / SLAB_STEPS`, the curve has `−left <= d <= right`, rounded up. The orientation of the diagonal, a bit in the paper, is that
 /// of the ends.
 pub const fn pack_slab(left: u32, right: u32) -> u32 {
     left << 15 | right

@@ -1,7 +1,7 @@
 //! The words of the study's trim structures: every place in bounds, every walk ends, in time that grows with the words alone.
 //!
-//! Faces follow each other, lists of references too; a curveset is looked at once, and all curvesets of a face together have no more elements than it has room for. So
-//! words that many others point to cannot make the check take longer than reading them all.
+//! Faces follow each other, lists of references too; a curveset is looked at once, and all curvesets of a face together have no more elements than it
+//! has room for. So words that many others point to cannot make the check take longer than reading them all.
 
 use super::trim_study::{HIGH_IS_LEFT, KD_HEADER, MANY_CURVES, PARITY_BIT, PLACES, RECORD_WORDS, STUDY_LEAF};
 use super::validate::{Check, require};

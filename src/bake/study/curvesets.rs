@@ -1,7 +1,7 @@
 //! Curvesets: maximal chains of consecutive pieces of equal monotonicity (Schollmeyer and Fröhlich 2019), and where they are cut.
 //!
-//! Pieces parallel to an axis go with either monotonicity. A chain is one monotone curve, so that the parity of a whole chain follows from its two ends as that of a piece
-//! does from its own.
+//! Pieces parallel to an axis go with either monotonicity. A chain is one monotone curve, so that the parity of a whole chain follows from its two
+//! ends as that of a piece does from its own.
 
 use super::super::region::{Piece, Region};
 use super::elements::is_horizontal;

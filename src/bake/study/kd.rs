@@ -19,7 +19,7 @@ use crate::scene::trim_study::{
 };
 use crate::scene::{TrimMethod, TrimStructure};
 
-/// C_trav where C_test is 1, which the seed does not state. On real files half gives trees of KC about as large as the seed's: 0.3 twice as many
+/// C_trav where C_test is 1, which the paper does not state. On real files half gives trees of KC about as large as the paper's: 0.3 twice as many
 /// nodes, 1 two thirds.
 const TRAVERSAL_COST: f32 = 0.5;
 
@@ -201,7 +201,7 @@ impl Builder<'_> {
                 return Some((Phase::Refinement, axis, plane));
             }
         }
-        // One strip, the largest, for each leaf, as the seed's Figure 7 has it.
+        // One strip, the largest, for each leaf, as the paper's Figure 7 has it.
         if phase < Phase::EmptySpace && self.method.has_empty_space() && ranges.len() == 1 {
             let (axis, plane) = self.empty_strip(cell, &ranges[0])?;
             return Some((Phase::EmptySpace, axis, plane));

@@ -241,7 +241,7 @@ fn bytes(scene: &Scene<'_>) -> usize {
     size_of_val(scene.trim_nodes) + size_of_val(scene.trim_points) + size_of_val(scene.trim_segments)
 }
 
-/// What the seed's Table 3 tells whatever the machine, on the files that `TRIMRAY_STUDY` names, apart by colons: tests and steps on uniform points, by face.
+/// What Table 3 of Sloup and Havran 2021 tells whatever the machine, on the files that `TRIMRAY_STUDY` names, apart by colons: tests and steps on uniform points, by face.
 #[test]
 #[ignore = "a measurement"]
 fn table_3() {

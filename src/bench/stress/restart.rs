@@ -14,8 +14,8 @@ struct Restart {
     beyond: Vec<Hit>,
 }
 
-/// Traces the rays of [`measure_sameness`](super::measure_sameness), starts them again at each of their hits, and compares what follows. The hit at the start itself, which
-/// rounding may put before or behind it, does not count.
+/// Traces the rays of [`measure_sameness`](super::measure_sameness), starts them again at each of their hits, and compares what follows. The hit at
+/// the start itself, which rounding may put before or behind it, does not count.
 pub fn measure_restarts(subject: &Subject, precision: Precision, first: u64, count: u64) -> Sameness {
     let model = (subject.build)();
     let buffers = baked(&model);

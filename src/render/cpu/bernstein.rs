@@ -8,7 +8,8 @@ use crate::scene::{Net, Scene};
 /// One more than the highest degree of a net.
 pub const MAX_ORDER: usize = 26;
 
-/// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
+/// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high
+/// degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
 #[inline(always)]
 pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
     let mut basis = [T::ZERO; ORDER];

@@ -2,9 +2,9 @@
 //! body's faces, or past a tangent or a pole where what was found contradicts itself. A ray beside it, by at most half a pixel of a picture of 2048, does
 //! not, and what that one alone meets of the body stands in for what is missing.
 //!
-//! Certain hits stay what they are, and so does all that the ray meets of other bodies. Gaps are the model's own, wider than the slack of its faces; moved by more than the
-//! gap is wide, a ray meets the face on one side of it. Where faces overlap by more than their slack, the inner hit of two is left out. Where a face is missing altogether
-//! nothing is found, at a cost of some rays for one.
+//! Certain hits stay what they are, and so does all that the ray meets of other bodies. Gaps are the model's own, wider than the slack of its faces;
+//! moved by more than the gap is wide, a ray meets the face on one side of it. Where faces overlap by more than their slack, the inner hit of two is
+//! left out. Where a face is missing altogether nothing is found, at a cost of some rays for one.
 
 use super::Kernel;
 use super::footprint::sides;

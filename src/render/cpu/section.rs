@@ -1,9 +1,9 @@
 //! Sections on a ray: what of it is kept, and what the cut shows.
 //!
 //! Planes leave an interval of a ray, or all but one where they cut out a corner. Where the ray comes back to what is kept, on a plane and within a closed
-//! body, the body's cap is seen. It is within a body if the nearest of the body's hits beyond leads out of it: bodies are asked in the order of their nearest hits, until one says so or none is left. Hits of a
-//! body that is settled no longer count, so that faces which both claim a hit on their common edge do no harm; and what is nearer to
-//! the plane than rays keep off surfaces counts as on it, so that a face in the plane is cut, not seen.
+//! body, the body's cap is seen. It is within a body if the nearest of the body's hits beyond leads out of it: bodies are asked in the order of their
+//! nearest hits, until one says so or none is left. Hits of a body that is settled no longer count, so that faces which both claim a hit on their
+//! common edge do no harm; and what is nearer to the plane than rays keep off surfaces counts as on it, so that a face in the plane is cut, not seen.
 //! Instances that are uncut are seen wherever they are and have no caps.
 
 use super::frames::grid_position;

@@ -33,7 +33,8 @@ pub struct RawHit<T> {
 }
 
 /// The first hit after `near` of faces as wide as their slack, whatever their bodies can have: past an edge it may be one that is left out of all hits.
-/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks `is_certain`. Of equally near hits that of the lowest face, net and instance, whatever the order of the walk.
+/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks `is_certain`. Of equally near hits that of the lowest face,
+/// net and instance, whatever the order of the walk.
 pub fn first_hit<T: Kernel>(
     scene: &Scene<'_>,
     search: impl Into<NetSearch>,

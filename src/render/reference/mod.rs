@@ -2,9 +2,9 @@
 //!
 //! It looks at every face without a tree, and at every net by subdivision of its Bernstein coefficients, so that it shares neither
 //! bounds, nor leaves, nor starts with the tracers that it judges. Analytic carriers are the tracers' own closed forms in f64; analytic
-//! truth is what checks those. A ray is *certain* unless somewhere on its way, by less than [`TOLERANCE`] of a face's size, or what f32 rounds in sums of its degree,
-//! the ray would touch a carrier it misses or miss one it meets, or a hit would pass a trim curve or the end of a surface. Nor is it certain where a closed
-//! body has an odd number of hits.
+//! truth is what checks those. A ray is *certain* unless somewhere on its way, by less than [`TOLERANCE`] of a face's size, or what f32 rounds in
+//! sums of its degree, the ray would touch a carrier it misses or miss one it meets, or a hit would pass a trim curve or the end of a surface. Nor is
+//! it certain where a closed body has an odd number of hits.
 
 mod isolate;
 mod widened;
@@ -311,8 +311,8 @@ fn merge_borders(found: Vec<Candidate>) -> Option<Vec<Candidate>> {
     kept.iter().zip(shared).all(|(hit, shared)| shared || !hit.on_border).then_some(kept)
 }
 
-/// Of a net's size: what f32 leaves of its points. The sums of Bernstein terms over both parameters round by up to `(2 (m + n) + 3) u` (Higham 2002, section 5.1, for
-/// each parameter; u = 2⁻²⁴), those of a rational net twice, in its numerators and in its denominator.
+/// Of a net's size: what f32 leaves of its points. The sums of Bernstein terms over both parameters round by up to `(2 (m + n) + 3) u` (Higham 2002,
+/// section 5.1, for each parameter; u = 2⁻²⁴), those of a rational net twice, in its numerators and in its denominator.
 fn net_tolerance(scene: &Scene<'_>, net: &Net) -> f64 {
     let (u, v) = net_degrees(net);
     let is_rational = net_points(scene, net).iter().any(|point| point[3] != 1.0);
