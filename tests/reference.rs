@@ -59,9 +59,7 @@ fn turned_circle(major: f64, minor: f64) -> Surface {
 
 /// Changes of sign of a function along a ray's way through the scene, at steps of a 4000th of it.
 fn crossings(ray: &Ray, length: f64, off: fn(DVec3) -> f64) -> usize {
-    let signs: Vec<bool> = (0..=4000)
-        .map(|k| off(ray.origin + ray.direction * (length * f64::from(k) / 4000.0)) > 0.0)
-        .collect();
+    let signs: Vec<bool> = (0..=4000).map(|k| off(ray.at(length * f64::from(k) / 4000.0)) > 0.0).collect();
     signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 
@@ -87,7 +85,7 @@ fn the_reference_agrees_with_equations() {
             certain += 1;
             hits += found.len();
             for expected in &found {
-                let at = ray.origin + ray.direction * expected.hit.t;
+                let at = ray.at(expected.hit.t);
                 worst = worst.max(off(at).abs());
                 let step = 1e-6;
                 let slope = |axis: DVec3| (off(at + axis * step) - off(at - axis * step)) / (2.0 * step);

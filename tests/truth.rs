@@ -107,7 +107,7 @@ fn hits(scene: &SceneBuffers, rays: &[Ray], off: fn(DVec3) -> f64) -> (Vec<Optio
     let mut worst = 0.0f64;
     let found = probe(&scene.scene(), rays, Precision::F64, false);
     let distances = rays.iter().zip(&found).map(|(ray, hits)| {
-        hits.iter().for_each(|hit| worst = worst.max(off(ray.origin + ray.direction * hit.t).abs()));
+        hits.iter().for_each(|hit| worst = worst.max(off(ray.at(hit.t)).abs()));
         let is_steep = hits.iter().all(|hit| hit.normal.dot(ray.direction).abs() > STEEP);
         is_steep.then(|| hits.iter().map(|hit| hit.t).collect())
     });
@@ -284,7 +284,7 @@ fn poles_of_a_net_are_met_once() {
         for (ray, hits) in rays.iter().zip(probe_alone(&scene, &rays, precision, Exactness::Exact)) {
             assert_eq!(hits.len(), 2, "{precision:?} {ray:?}: {hits:?}");
             for hit in hits {
-                let at = ray.origin + ray.direction * hit.t;
+                let at = ray.at(hit.t);
                 assert!((at.length() - RADIUS).abs() < off, "{precision:?} {ray:?}: {hit:?}");
                 assert!((hit.normal - at / RADIUS).length() < 1e-3, "{precision:?} {ray:?}: {hit:?}");
             }

@@ -1,6 +1,6 @@
 //! Rays that start on a surface: from each hit of a ray on, the hits beyond are the same.
 
-use super::sameness::{Sameness, Subject, limit, sameness_rays};
+use super::sameness::{Sameness, Subject, certain, limit, sameness_rays};
 use super::{baked, scene_radius, truth};
 use crate::render::cpu::{Precision, probe};
 use crate::render::reference::{Reference, widened};
@@ -26,16 +26,14 @@ pub fn measure_restarts(subject: &Subject, precision: Precision, first: u64, cou
     let found = probe(&scene, &rays, precision, false);
     let mut result = Sameness { rays: count, ..Sameness::default() };
     let mut restarts = Vec::new();
-    for (&ray, hits) in rays.iter().zip(&found).filter(|(ray, _)| reference.trace(ray).is_some()) {
+    let is_certain = certain(&reference, &rays);
+    for ((&ray, hits), _) in rays.iter().zip(&found).zip(is_certain).filter(|(_, is_certain)| *is_certain) {
         result.certain += 1;
         for (index, hit) in hits.iter().enumerate() {
             restarts.push(Restart { ray, start: hit.t, beyond: hits[index + 1..].to_vec() });
         }
     }
-    let moved = |restart: &Restart| Ray {
-        origin: restart.ray.origin + restart.ray.direction * restart.start,
-        direction: restart.ray.direction,
-    };
+    let moved = |Restart { ray, start, .. }: &Restart| Ray { origin: ray.at(*start), ..*ray };
     let moved: Vec<Ray> = restarts.iter().map(moved).collect();
     let size = 2.0 * scene_radius(&scene);
     for (Restart { ray, start, beyond }, found) in
@@ -50,14 +48,8 @@ pub fn measure_restarts(subject: &Subject, precision: Precision, first: u64, cou
         let is_different = found.len() != beyond.len() || beyond.iter().zip(&found).any(is_turned);
         let pairs = beyond.iter().zip(&found).filter(|_| !is_different);
         let distances: Vec<f64> = pairs.map(|(a, b)| across(a.t - start - b.t, a)).collect();
-        let apart = distances.iter().filter(|distance| **distance > limit(precision)).count() as u64;
         result.hits += beyond.len() as u64;
-        result.different += u64::from(is_different);
-        result.apart += apart;
-        result.greatest = distances.into_iter().fold(result.greatest, f64::max);
-        if is_different || apart > 0 {
-            result.wrong = result.wrong.or(Some(*ray));
-        }
+        result.add(ray, is_different, &distances, limit(precision));
     }
     result
 }

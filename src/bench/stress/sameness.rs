@@ -65,6 +65,24 @@ pub struct Sameness {
     pub wrong: Option<Ray>,
 }
 
+impl Sameness {
+    /// One comparison of hits: whether there are others, or else how far apart they are.
+    pub(super) fn add(&mut self, ray: &Ray, is_different: bool, distances: &[f64], limit: f64) {
+        let apart = distances.iter().filter(|distance| **distance > limit).count() as u64;
+        self.different += u64::from(is_different);
+        self.apart += apart;
+        self.greatest = distances.iter().copied().fold(self.greatest, f64::max);
+        if is_different || apart > 0 {
+            self.wrong = self.wrong.or(Some(*ray));
+        }
+    }
+}
+
+/// Which rays the reference is certain of.
+pub(super) fn certain(reference: &Reference<'_>, rays: &[Ray]) -> Vec<bool> {
+    rays.par_iter().map(|ray| reference.trace(ray).is_some()).collect()
+}
+
 /// Traces `count` rays, from number `first` on, in a model and in its changed form.
 pub fn measure_sameness(
     subject: &Subject,
@@ -115,7 +133,7 @@ pub(super) fn compare(
         .collect();
     let found = probe(scene, rays, precision, false);
     let others = probe(changed, &moved, precision, false);
-    let is_certain: Vec<bool> = rays.par_iter().map(|ray| reference.trace(ray).is_some()).collect();
+    let is_certain = certain(&reference, rays);
     let size = 2.0 * scene_radius(scene);
     let mut result = Sameness { rays: rays.len() as u64, ..Sameness::default() };
     for (index, ray) in rays.iter().enumerate().filter(|(index, _)| is_certain[*index]) {
@@ -130,13 +148,7 @@ pub(super) fn compare(
             true => Vec::new(),
             false => hits.iter().zip(others).map(across).collect(),
         };
-        let apart = distances.iter().filter(|distance| **distance > limit(precision)).count() as u64;
-        result.different += u64::from(is_different);
-        result.apart += apart;
-        result.greatest = distances.into_iter().fold(result.greatest, f64::max);
-        if is_different || apart > 0 {
-            result.wrong = result.wrong.or(Some(*ray));
-        }
+        result.add(ray, is_different, &distances, limit(precision));
     }
     result
 }

@@ -8,7 +8,8 @@
 
 use super::Kernel;
 use super::footprint::sides;
-use super::parity::{Crossing, consistent, has_even_hits};
+use super::hit::body_of;
+use super::parity::{Crossing, consistent, odd_bodies};
 use super::probe::{MAX_HITS, met_hits, places};
 use super::ray_space::{PreparedRay, scene_radius};
 use super::trace::RawHit;
@@ -50,9 +51,9 @@ pub fn settle<T: Kernel>(
     let own = crossings.len();
     let mut is_beside = false;
     if prepared.starts_outside && !is_cut {
-        for body in odd_bodies(scene, &crossings) {
+        for body in odd_bodies(scene, crossings.iter().map(|c| body_of(scene, &c.hit))) {
             if let Some(others) = beside(scene, search, prepared, body, &crossings) {
-                crossings.retain(|crossing| body_of(scene, crossing) != body || crossing.hit.is_certain);
+                crossings.retain(|crossing| body_of(scene, &crossing.hit) != body || crossing.hit.is_certain);
                 crossings.extend(others);
                 crossings.sort_by(|a, b| a.hit.distance.to_f64().total_cmp(&b.hit.distance.to_f64()));
                 is_beside = true;
@@ -65,22 +66,6 @@ pub fn settle<T: Kernel>(
     Settled { crossings, places, own, is_beside }
 }
 
-fn body_of<T: Kernel>(scene: &Scene<'_>, crossing: &Crossing<T>) -> (u32, u32) {
-    (crossing.hit.instance, scene.faces[crossing.hit.face as usize].body)
-}
-
-/// Instance and body of each closed body with an odd number of hits.
-fn odd_bodies<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<(u32, u32)> {
-    if has_even_hits(scene, crossings.iter().map(|c| (c.hit.instance, c.hit.face))) {
-        return Vec::new();
-    }
-    let mut bodies: Vec<(u32, u32)> = crossings.iter().map(|crossing| body_of(scene, crossing)).collect();
-    bodies.sort_unstable();
-    let is_odd =
-        |group: &&[(u32, u32)]| group.len() % 2 == 1 && scene.metadata.bodies[group[0].1 as usize].is_closed;
-    bodies.chunk_by(|a, b| a == b).filter(is_odd).map(|group| group[0]).collect()
-}
-
 /// What the nearest ray beside meets of a body beyond the ray's own certain hits of it, all of which it has too, so that both together are even.
 fn beside<T: Kernel>(
     scene: &Scene<'_>,
@@ -91,7 +76,7 @@ fn beside<T: Kernel>(
 ) -> Option<Vec<Crossing<T>>> {
     let [first, second] = sides(prepared.ray.direction);
     let radius = scene_radius(scene.header);
-    let is_of_body = |crossing: &Crossing<T>| body_of(scene, crossing) == body;
+    let is_of_body = |crossing: &Crossing<T>| body_of(scene, &crossing.hit) == body;
     let certain: Vec<&Crossing<T>> = own.iter().filter(|c| is_of_body(c) && c.hit.is_certain).collect();
     for distance in DISTANCES {
         for side in [first, -first, second, -second] {
@@ -124,7 +109,8 @@ fn beside<T: Kernel>(
 /// Where two faces of a body overlap by more than their slack the ray enters or leaves it twice, certainly and within the greatest of [`DISTANCES`]: which of
 /// the hits to leave out of the closest such pair, that inside of the other.
 fn overlap<T: Kernel>(scene: &Scene<'_>, body: (u32, u32), crossings: &[Crossing<T>]) -> Option<usize> {
-    let own: Vec<usize> = (0..crossings.len()).filter(|&k| body_of(scene, &crossings[k]) == body).collect();
+    let own: Vec<usize> =
+        (0..crossings.len()).filter(|&k| body_of(scene, &crossings[k].hit) == body).collect();
     let across = |pair: &[usize]| {
         let [first, second] = [&crossings[pair[0]], &crossings[pair[1]]];
         let steepness = first.facing.abs().min(second.facing.abs());

@@ -2,15 +2,14 @@
 
 use super::beside::{Settled, settle};
 use super::footprint::{LONGEST, same_place};
-use super::hit::world_slack;
+use super::hit::{body_of, world_slack};
 use super::parity::Crossing;
-use super::probe::met_hits;
+use super::probe::{met_hits, of_each};
 use super::ray_space::prepare;
 use super::vector::number;
 use super::{Kernel, Precision};
 use crate::render::{Exactness, Ray};
 use crate::scene::Scene;
-use rayon::prelude::*;
 
 /// The hits of one ray, counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -29,10 +28,7 @@ pub struct Choice {
 
 /// The counts of each ray, with the default exactness.
 pub fn choices(scene: &Scene<'_>, rays: &[Ray], precision: Precision) -> Vec<Choice> {
-    let exact = precision == Precision::F64 && scene.has_f64();
-    rays.par_iter()
-        .map(|ray| if exact { choice::<f64>(scene, ray) } else { choice::<f32>(scene, ray) })
-        .collect()
+    of_each(scene, rays, precision, |ray| choice::<f64>(scene, ray), |ray| choice::<f32>(scene, ray))
 }
 
 fn choice<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Choice {
@@ -46,7 +42,7 @@ fn choice<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Choice {
 }
 
 fn is_repeated<T: Kernel>(scene: &Scene<'_>, hits: &[Crossing<T>]) -> bool {
-    let body = |c: &Crossing<T>| (c.hit.instance, scene.faces[c.hit.face as usize].body);
+    let body = |c: &Crossing<T>| body_of(scene, &c.hit);
     let slack = |c: &Crossing<T>| world_slack(scene, &c.hit);
     hits.iter().enumerate().any(|(index, own)| {
         let before = hits[..index].iter().rev();

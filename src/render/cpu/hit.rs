@@ -32,6 +32,11 @@ pub fn hit_normal<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> Vector3<T> {
     n * (T::ONE / n.length().max(number(1e-30)))
 }
 
+/// Whose face a hit is on: instance and body.
+pub fn body_of<T>(scene: &Scene<'_>, hit: &RawHit<T>) -> (u32, u32) {
+    (hit.instance, scene.faces[hit.face as usize].body)
+}
+
 /// The slack of a hit's face, in lengths of the world: instances may scale.
 pub fn world_slack<T: Kernel>(scene: &Scene<'_>, hit: &RawHit<T>) -> T {
     let slack = number::<T>(scene.faces[hit.face as usize].slack.into());

@@ -6,7 +6,7 @@
 
 use super::Kernel;
 use super::footprint::GRAZING;
-use super::hit::world_slack;
+use super::hit::{body_of, world_slack};
 use super::trace::RawHit;
 use super::vector::number;
 use crate::scene::Scene;
@@ -33,10 +33,7 @@ pub fn consistent<T: Kernel>(
     if crossings.iter().all(|crossing| crossing.hit.is_certain) {
         return crossings;
     }
-    let body = |index: usize| {
-        let hit = &crossings[index].hit;
-        (hit.instance, scene.faces[hit.face as usize].body)
-    };
+    let body = |index: usize| body_of(scene, &crossings[index].hit);
     let mut order: Vec<usize> = (0..crossings.len()).collect();
     order.sort_by_key(|&index| body(index));
     let mut kept = vec![true; crossings.len()];
@@ -50,13 +47,13 @@ pub fn consistent<T: Kernel>(
     crossings.into_iter().zip(kept).filter_map(|(crossing, stays)| stays.then_some(crossing)).collect()
 }
 
-/// Whether each closed body has an even number of the hits, given by instance and face, as it has of those of a ray from outside.
-pub fn has_even_hits(scene: &Scene<'_>, hits: impl Iterator<Item = (u32, u32)>) -> bool {
-    let of_body = |(instance, face): (u32, u32)| (instance, scene.faces[face as usize].body);
-    let mut bodies: SmallVec<[(u32, u32); 16]> = hits.map(of_body).collect();
+/// The closed bodies with an odd number of hits, of all hits' instances and bodies: a ray from outside leaves a body as often as it enters.
+pub fn odd_bodies(scene: &Scene<'_>, bodies: impl Iterator<Item = (u32, u32)>) -> SmallVec<[(u32, u32); 2]> {
+    let mut bodies: SmallVec<[(u32, u32); 16]> = bodies.collect();
     bodies.sort_unstable();
     let is_closed = |body: u32| scene.metadata.bodies[body as usize].is_closed;
-    bodies.chunk_by(|a, b| a == b).all(|of_body| of_body.len() % 2 == 0 || !is_closed(of_body[0].1))
+    let is_odd = |of_body: &&[(u32, u32)]| of_body.len() % 2 == 1 && is_closed(of_body[0].1);
+    bodies.chunk_by(|a, b| a == b).filter(is_odd).map(|of_body| of_body[0]).collect()
 }
 
 /// Which hits stay so that the ray leaves as often as it enters; `None` where the certain ones do not.

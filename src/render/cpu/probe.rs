@@ -28,12 +28,25 @@ pub fn probe_alone(
     search: impl Into<NetSearch>,
 ) -> Vec<Vec<Hit>> {
     let search = search.into();
+    of_each(
+        scene,
+        rays,
+        precision,
+        |ray| alone::<f64>(scene, search, ray),
+        |ray| alone::<f32>(scene, search, ray),
+    )
+}
+
+/// What `wide` says of each ray, or `narrow` where f64 is not asked for or the scene has none.
+pub fn of_each<R: Send>(
+    scene: &Scene<'_>,
+    rays: &[Ray],
+    precision: Precision,
+    wide: impl Fn(&Ray) -> R + Sync,
+    narrow: impl Fn(&Ray) -> R + Sync,
+) -> Vec<R> {
     let exact = precision == Precision::F64 && scene.has_f64();
-    let trace = |ray: &Ray| match exact {
-        true => alone::<f64>(scene, search, ray),
-        false => alone::<f32>(scene, search, ray),
-    };
-    rays.par_iter().map(trace).collect()
+    rays.par_iter().map(|ray| if exact { wide(ray) } else { narrow(ray) }).collect()
 }
 
 fn alone<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray) -> Vec<Hit> {
@@ -61,16 +74,8 @@ pub fn probe_with(
     search: impl Into<NetSearch>,
 ) -> Vec<Vec<Hit>> {
     let search = search.into();
-    let exact = precision == Precision::F64 && scene.has_f64();
-    rays.par_iter()
-        .map(|ray| {
-            if exact {
-                probe_ray::<f64>(scene, search, ray, first_only)
-            } else {
-                probe_ray::<f32>(scene, search, ray, first_only)
-            }
-        })
-        .collect()
+    let wide = |ray: &Ray| probe_ray::<f64>(scene, search, ray, first_only);
+    of_each(scene, rays, precision, wide, |ray| probe_ray::<f32>(scene, search, ray, first_only))
 }
 
 /// The hits of one ray.

@@ -3,7 +3,7 @@
 //! The layout and the parity rule are those of [`crate::scene::trim_word`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
 //! between its ends decides points beside it, and its band nearly all others; what is left needs the curve (`trim_curve`).
 
-use super::trim_curve::{ExactTest, is_right_of_curve};
+use super::trim_curve::{ExactTest, is_right_of_chord, is_right_of_curve};
 use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
 use crate::numeric::Real;
@@ -85,6 +85,7 @@ pub fn packed_inside<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2]) -> bool 
     packed::<T, false, false>(scene, root, uv, [T::ZERO; 2], &mut TrimCounts::default()).inside
 }
 
+/// The query by this program's own method, of a face with trims.
 #[inline(always)]
 fn packed<T: Real, const NEAR: bool, const COUNT: bool>(
     scene: &Scene<'_>,
@@ -261,8 +262,8 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     }
 }
 
-/// Whether a segment passes left of a point, by the segment itself; `by_band` is what the middle of its band says. All by value: what is passed by reference
-/// would be written to memory by every query that does not come here.
+/// Whether a segment passes left of a point, by the segment itself; `by_band` is what the middle of its band says. All by value: what is passed by
+/// reference would be written to memory by every query that does not come here.
 #[cold]
 #[inline(never)]
 fn is_right_of_segment<T: Real>(
@@ -287,9 +288,7 @@ fn is_right_of_segment<T: Real>(
     }
     match segment.degree() {
         0 => ExactTest::by_ends(by_band),
-        1 => {
-            ExactTest::by_ends((uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0]))
-        }
+        1 => ExactTest::by_ends(is_right_of_chord(low, high, uv)),
         _ => is_right_of_curve(words, segment, uv),
     }
 }

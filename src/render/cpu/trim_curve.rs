@@ -43,13 +43,10 @@ pub fn is_right_of_curve<T: Real>(words: &[u32], segment: &TrimSegment, uv: [T; 
     let (mut v_low, mut v_high) = (end(falls), end(!falls));
     let answer =
         |is_right: bool, evaluations: usize| ExactTest { is_right, evaluations: Some(evaluations as u32) };
-    let by_chord = |low: [T; 2], high: [T; 2]| {
-        (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0])
-    };
     for step in 0..MAX_CURVE_STEPS {
         let middle = (t_low + t_high) * number(0.5);
         if middle == t_low || middle == t_high {
-            return answer(by_chord(low, high), step);
+            return answer(is_right_of_chord(low, high, uv), step);
         }
         let secant = t_low + (t_high - t_low) * ((uv[1] - v_low) / (v_high - v_low));
         let is_between = (secant > t_low && secant < t_high) || (secant < t_low && secant > t_high);
@@ -73,7 +70,12 @@ pub fn is_right_of_curve<T: Real>(words: &[u32], segment: &TrimSegment, uv: [T; 
             return answer(false, step + 1);
         }
     }
-    answer(by_chord(low, high), MAX_CURVE_STEPS)
+    answer(is_right_of_chord(low, high, uv), MAX_CURVE_STEPS)
+}
+
+/// Whether the chord from `low` to `high`, which is not level, passes left of `uv`.
+pub fn is_right_of_chord<T: Real>(low: [T; 2], high: [T; 2], uv: [T; 2]) -> bool {
+    (uv[0] - low[0]) * (high[1] - low[1]) >= (uv[1] - low[1]) * (high[0] - low[0])
 }
 
 /// A Bézier curve among the words of a face; see [`crate::scene::trim_word`].

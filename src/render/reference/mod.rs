@@ -16,8 +16,8 @@ use super::cpu::analytic::{carrier_normal, carrier_parameters, carrier_roots};
 use super::cpu::bernstein::{net_degrees, net_jet};
 use super::cpu::cover::to_window;
 use super::cpu::frames::{FaceFrame, Kernel};
-use super::cpu::hit::finish_hit;
-use super::cpu::parity::has_even_hits;
+use super::cpu::hit::{body_of, finish_hit};
+use super::cpu::parity::odd_bodies;
 use super::cpu::ray_space::{
     Distance, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
 };
@@ -135,8 +135,7 @@ impl<'a> Reference<'a> {
         }
         found.sort_by(|a, b| a.raw.distance.to_f64().total_cmp(&b.raw.distance.to_f64()));
         let kept = merge_borders(found)?;
-        let of_bodies = kept.iter().map(|c| (c.raw.instance, c.raw.face));
-        if !has_even_hits(&self.scene, of_bodies) {
+        if !odd_bodies(&self.scene, kept.iter().map(|c| body_of(&self.scene, &c.raw))).is_empty() {
             return None;
         }
         let expected = |c: &Candidate| {
