@@ -5,8 +5,10 @@
 
 use super::chord;
 use super::stages::{Clock, Stage, StageTimes};
+use crate::render::cpu::{pixel_key, pixel_ray, sample_offset};
 use crate::render::{Camera, Ray, RenderOptions, Sampling, Viewpoint};
 use crate::scene::Scene;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// What a device is asked to do.
@@ -50,8 +52,7 @@ pub fn measure_frames<E>(
     times: &mut StageTimes,
     work: &mut dyn FnMut(FrameWork<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let aspect = f64::from(load.resolution[0]) / f64::from(load.resolution[1]);
-    let camera = Camera::framing(&Viewpoint::default(), scene, aspect);
+    let camera = camera(scene, load);
     let picture = RenderOptions { resolution: load.resolution, ..RenderOptions::default() };
     let lamps = RenderOptions {
         samples: load.samples,
@@ -64,7 +65,7 @@ pub fn measure_frames<E>(
     times.add(Stage::Compile, clock.lap());
     work(FrameWork::Picture(&camera, &picture))?;
     times.add(Stage::FirstFrame, clock.lap());
-    let rays: Vec<Ray> = (0..load.rays).map(|index| chord(scene, index)).collect();
+    let rays = random_rays(scene, load);
     for run in 0..load.warm_ups + load.repeat {
         clock.lap();
         work(FrameWork::Picture(&camera, &picture))?;
@@ -80,4 +81,61 @@ pub fn measure_frames<E>(
         }
     }
     Ok(())
+}
+
+/// The first hits of rays that a device holds, again and again, as a stage of their own.
+///
+/// # Errors
+/// Those of `run`.
+pub fn measure_kernel<E>(
+    stage: Stage,
+    load: &FrameLoad,
+    times: &mut StageTimes,
+    mut run: impl FnMut() -> Result<(), E>,
+) -> Result<(), E> {
+    for _ in 0..load.warm_ups {
+        run()?;
+    }
+    for _ in 0..load.repeat {
+        let mut clock = Clock(Instant::now());
+        run()?;
+        times.add(stage, clock.lap());
+    }
+    Ok(())
+}
+
+/// The rays of [`Stage::RandomKernel`] and [`Stage::Random`].
+pub fn random_rays(scene: &Scene<'_>, load: &FrameLoad) -> Vec<Ray> {
+    (0..load.rays).into_par_iter().map(|index| chord(scene, index)).collect()
+}
+
+/// Pixels along a side of the squares in which [`primary_rays`] go through a picture.
+const SQUARE: u32 = 8;
+
+/// A ray through each sample of each pixel, those of a square of pixels after each other: what a GPU traces side by side is side by side.
+pub fn primary_rays(scene: &Scene<'_>, load: &FrameLoad) -> Vec<Ray> {
+    let camera = camera(scene, load);
+    let [width, height] = load.resolution;
+    let squares: Vec<[u32; 2]> = (0..height)
+        .step_by(SQUARE as usize)
+        .flat_map(|y| (0..width).step_by(SQUARE as usize).map(move |x| [x, y]))
+        .collect();
+    let of_square = |&[left, top]: &[u32; 2]| {
+        let camera = &camera;
+        let columns = left..(left + SQUARE).min(width);
+        let pixels =
+            (top..(top + SQUARE).min(height)).flat_map(move |y| columns.clone().map(move |x| [x, y]));
+        pixels.flat_map(move |[x, y]| {
+            (0..load.samples).map(move |sample| {
+                let [right, down] = sample_offset(pixel_key(x, y), sample, load.samples).map(f64::from);
+                pixel_ray(camera, load.resolution, f64::from(x) + right, f64::from(y) + down)
+            })
+        })
+    };
+    squares.par_iter().flat_map_iter(of_square).collect()
+}
+
+fn camera(scene: &Scene<'_>, load: &FrameLoad) -> Camera {
+    let aspect = f64::from(load.resolution[0]) / f64::from(load.resolution[1]);
+    Camera::framing(&Viewpoint::default(), scene, aspect)
 }

@@ -13,7 +13,7 @@ pub mod trim;
 mod work;
 
 pub use accuracy::{Accuracy, Quantiles, Tracer, measure_accuracy};
-pub use frames::{FrameLoad, FrameWork, measure_frames};
+pub use frames::{FrameLoad, FrameWork, measure_frames, measure_kernel, primary_rays, random_rays};
 pub use leaks::{Leaks, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed, rate_bound};
 pub use lines::{PlotLine, lines_svg};
 pub use plot::{PlotPoint, logarithmic_svg};

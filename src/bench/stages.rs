@@ -60,11 +60,15 @@ pub enum Stage {
     Primary,
     /// The first hits of chords of the scene's sphere.
     Random,
+    /// A GPU's kernel alone: the first hits of primary rays that it holds.
+    PrimaryKernel,
+    /// The same of random rays.
+    RandomKernel,
 }
 
 impl Stage {
     /// All, in order.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 23] = [
         Self::Read,
         Self::Scan,
         Self::Decode,
@@ -86,6 +90,8 @@ impl Stage {
         Self::Frame,
         Self::Primary,
         Self::Random,
+        Self::PrimaryKernel,
+        Self::RandomKernel,
     ];
 
     /// For JSON.
@@ -112,6 +118,8 @@ impl Stage {
             Self::Frame => "frame",
             Self::Primary => "primary",
             Self::Random => "random",
+            Self::PrimaryKernel => "primary_kernel",
+            Self::RandomKernel => "random_kernel",
         }
     }
 
@@ -131,6 +139,8 @@ impl Stage {
             Self::Frame => "steady frame",
             Self::Primary => "primary rays",
             Self::Random => "random rays",
+            Self::PrimaryKernel => "primary rays, kernel",
+            Self::RandomKernel => "random rays, kernel",
             _ => self.name(),
         }
     }

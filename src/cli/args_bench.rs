@@ -31,6 +31,7 @@ pub(super) enum BenchCommand {
 /// what it reaches by itself, so `map` includes that work and the sums leave `decode` out. Trim trees, nets and leaves are parts of the bake: their work over
 /// the threads that share it. `open, first ray` opens the written `.trimray` file anew and traces one ray. `compile` is a picture of one pixel, frames are
 /// pictures without settings, primary rays see lamps but no sky; random rays are chords of the scene's sphere, and on a GPU their rate includes the transfers.
+/// `kernel` is a GPU's kernel alone: the first hits of rays that the device holds, and its rate is that of those rays that can meet the scene.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -49,6 +50,9 @@ pub(super) struct BenchStages {
     /// Go on to pictures and rays.
     #[arg(long)]
     pub(super) frames: bool,
+    /// Of pictures and rays time a GPU's kernels alone, on rays that it holds.
+    #[arg(long, requires = "frames")]
+    pub(super) kernels: bool,
     /// Runs of pictures and rays that do not count.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=1000), requires = "frames")]
     pub(super) warm_ups: u16,

@@ -6,9 +6,9 @@ use super::bake::size_text;
 use super::device::Device;
 use crate::bench::{
     FrameLoad, FrameWork, PlotPoint, Stage, Stages, growth_exponent, logarithmic_svg, measure_frames,
-    measure_stages,
+    measure_kernel, measure_stages, primary_rays, random_rays,
 };
-use crate::render::Exactness;
+use crate::render::{Exactness, Ray};
 use crate::scene::Scene;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -37,9 +37,19 @@ struct Line {
     primary_rays: u64,
     /// In a run of the random rays.
     random_rays: u64,
+    /// By the names of stages: the rays that the kernels were timed with.
+    #[serde(default)]
+    held: BTreeMap<String, Held>,
     /// By the names of stages: the least times.
     seconds: BTreeMap<String, f64>,
     median_seconds: BTreeMap<String, f64>,
+}
+
+/// Rays on the device: those of a run that can meet the scene, and how many of them hit it.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Held {
+    rays: u64,
+    hits: u64,
 }
 
 impl Line {
@@ -63,6 +73,10 @@ impl Line {
             }
             Stage::Primary => format!("{:.2} Mrays/s", self.primary_rays as f64 * 1e-6 / seconds),
             Stage::Random => format!("{:.2} Mrays/s", self.random_rays as f64 * 1e-6 / seconds),
+            Stage::PrimaryKernel | Stage::RandomKernel => {
+                let held = self.held.get(stage.name())?;
+                format!("{:.2} Mrays/s", held.rays as f64 * 1e-6 / seconds)
+            }
             Stage::FirstRay | Stage::Compile | Stage::FirstFrame | Stage::Frame => return None,
         })
     }
@@ -87,10 +101,12 @@ pub(super) fn run(command: &BenchStages, general: &General) -> anyhow::Result<()
             let scratch = folder.path().join("scene.trimray");
             let mut stages = measure_stages(path, &scratch, copies, usize::from(command.repeat))
                 .with_context(|| path.display().to_string())?;
-            if let Some(device) = &mut device {
-                frames(command, device, &mut stages)?;
-            }
-            let line = line(path, copies, command, &stages, device.as_ref().map(Device::name));
+            let held = match &mut device {
+                Some(device) => frames(command, device, &mut stages)?,
+                None => BTreeMap::new(),
+            };
+            let line =
+                Line { held, ..line(path, copies, command, &stages, device.as_ref().map(Device::name)) };
             if command.json {
                 serde_json::to_writer(&mut out, &line).map_err(std::io::Error::from)?;
                 writeln!(out)?;
@@ -117,27 +133,47 @@ pub(super) fn run(command: &BenchStages, general: &General) -> anyhow::Result<()
     Ok(())
 }
 
-/// Goes on to the device, to pictures and to rays.
-fn frames(command: &BenchStages, device: &mut Device<'_>, stages: &mut Stages) -> anyhow::Result<()> {
+/// Goes on to the device, to pictures and to rays; what kernels were timed with, if there are any.
+fn frames(
+    command: &BenchStages,
+    device: &mut Device<'_>,
+    stages: &mut Stages,
+) -> anyhow::Result<BTreeMap<String, Held>> {
     let Stages { scene, times, .. } = stages;
     let scene: Scene<'_> = scene.scene();
+    let mut held = BTreeMap::new();
     if scene.faces.is_empty() {
-        return Ok(());
+        return Ok(held);
     }
+    let load = load(command);
     let start = Instant::now();
     let mut renderer = device.renderer(scene)?;
     times.add(Stage::Upload, start.elapsed().as_secs_f64());
-    measure_frames(&scene, &load(command), times, &mut |work| match work {
-        FrameWork::Picture(camera, options) => {
-            std::hint::black_box(renderer.render(camera, options, &|_, _| {})?);
-            Ok(())
-        }
-        FrameWork::FirstHits(rays) => {
-            std::hint::black_box(renderer.probe(rays, true, Exactness::default())?);
-            anyhow::Ok(())
-        }
-    })
+    if !command.kernels {
+        measure_frames(&scene, &load, times, &mut |work| match work {
+            FrameWork::Picture(camera, options) => {
+                std::hint::black_box(renderer.render(camera, options, &|_, _| {})?);
+                Ok(())
+            }
+            FrameWork::FirstHits(rays) => {
+                std::hint::black_box(renderer.probe(rays, true, Exactness::default())?);
+                anyhow::Ok(())
+            }
+        })?;
+    }
+    let rays: [(Stage, RayMaker); 2] =
+        [(Stage::PrimaryKernel, primary_rays), (Stage::RandomKernel, random_rays)];
+    for (stage, make) in rays {
+        let Some(work) = renderer.hold_rays(|| make(&scene, &load))? else { continue };
+        measure_kernel(stage, &load, times, || renderer.run_held(&work))?;
+        let (rays, hits) = renderer.count_held(&work)?;
+        held.insert(stage.name().to_owned(), Held { rays, hits });
+    }
+    Ok(held)
 }
+
+/// Makes the rays of a stage.
+type RayMaker = fn(&Scene<'_>, &FrameLoad) -> Vec<Ray>;
 
 fn load(command: &BenchStages) -> FrameLoad {
     FrameLoad {
@@ -166,6 +202,7 @@ fn line(path: &Path, copies: u32, command: &BenchStages, stages: &Stages, device
         device: device.map(str::to_owned),
         primary_rays: load.primary_rays(),
         random_rays: load.rays,
+        held: BTreeMap::new(),
         seconds: of(&|stage| stages.times.least(stage)),
         median_seconds: of(&|stage| stages.times.median(stage)),
     }

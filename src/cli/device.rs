@@ -12,6 +12,12 @@ use std::io::Write;
 #[cfg(feature = "gpu")]
 use std::thread::JoinHandle;
 
+/// Rays that a GPU holds.
+#[cfg(feature = "gpu")]
+pub(super) type HeldRays = crate::render::gpu::HeldWork;
+#[cfg(not(feature = "gpu"))]
+pub(super) type HeldRays = std::convert::Infallible;
+
 /// The device of one run of a command.
 pub(super) struct Device<'a> {
     choice: DeviceChoice,
@@ -277,6 +283,34 @@ impl<'s> Renderer<'_, '_, 's> {
             return Ok(hits);
         }
         Ok(cpu::probe_with(&self.scene, rays, Precision::F32, first_only, exactness))
+    }
+
+    /// Brings rays to the GPU, to be traced to their first hits; `None` where that does not compute.
+    pub(super) fn hold_rays(&mut self, rays: impl FnOnce() -> Vec<Ray>) -> anyhow::Result<Option<HeldRays>> {
+        #[cfg(feature = "gpu")]
+        return self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
+            gpu.hold_rays(uploaded, &rays(), Exactness::default())
+        });
+        #[cfg(not(feature = "gpu"))]
+        Ok(None)
+    }
+
+    /// Traces them once more.
+    pub(super) fn run_held(&mut self, work: &HeldRays) -> anyhow::Result<()> {
+        #[cfg(feature = "gpu")]
+        self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.run_held(uploaded, work))?;
+        Ok(())
+    }
+
+    /// How many there are, and how many have hits.
+    pub(super) fn count_held(&mut self, work: &HeldRays) -> anyhow::Result<(u64, u64)> {
+        #[cfg(feature = "gpu")]
+        {
+            let hits = self.device.on_gpu(self.uploaded.as_ref(), |gpu, _| gpu.count_held(work))?;
+            Ok((work.count(), hits.unwrap_or(0)))
+        }
+        #[cfg(not(feature = "gpu"))]
+        match *work {}
     }
 
     /// Renders what trims cost, on the CPU.

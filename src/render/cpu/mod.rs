@@ -56,7 +56,7 @@ pub(super) mod test_scenes;
 #[cfg(test)]
 mod tests;
 
-pub use self::camera::pixel_ray;
+pub use self::camera::{pixel_key, pixel_ray, sample_offset};
 pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
 pub use self::paths::{render_paths, take_path_samples};

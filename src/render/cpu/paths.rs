@@ -6,7 +6,7 @@ use super::shade::Shading;
 use super::vector::Vector3;
 use crate::image::Film;
 use crate::render::environment::Shares;
-use crate::render::paths::{behind, paint_paths, path_window};
+use crate::render::paths::{MOST_PIXELS, behind, paint_paths, path_window};
 use crate::render::{Camera, PathOptions, RenderOptions};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
@@ -26,7 +26,7 @@ pub fn render_paths(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Film {
     let ground = paths.world_ground(camera, scene.header);
-    let painted = paint_paths(options, paths, progress, |pixels, samples| {
+    let painted = paint_paths(options, paths, progress, MOST_PIXELS, |pixels, samples| {
         Ok::<_, Infallible>(take_path_samples(
             scene,
             camera,

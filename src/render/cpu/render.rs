@@ -14,6 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Pixels per unit of work.
 const PIXELS_PER_TASK: usize = 1024;
+/// Pixels that are refined at a time, which is what bounds the memory for it.
+const MOST_REFINED: usize = 65_472;
 
 /// Renders a picture, or the part of it that the options ask for; `progress` is told (done, total) units of work.
 ///
@@ -43,7 +45,7 @@ pub fn render(
         first += found.len();
     }
     let refined = |asked: &[Refined]| Ok::<_, Infallible>(take_samples(scene, camera, options, asked));
-    let mut film = paint(centers, refined).unwrap_or_else(|never| match never {});
+    let mut film = paint(centers, MOST_REFINED, refined).unwrap_or_else(|never| match never {});
     options.background.put_behind(&mut film);
     film
 }

@@ -22,8 +22,10 @@ use std::sync::{Mutex, PoisonError};
 pub(super) const WIDE: u32 = 64;
 /// Invocations in a workgroup where software devices have to give each its own loops.
 pub(super) const NARROW: u32 = 1;
-/// Elements of one dispatch at most: also that many narrow workgroups are allowed.
-pub(super) const MOST_ELEMENTS: usize = 65_472;
+/// Elements of one dispatch of a software device at most: also that many narrow workgroups are allowed.
+const MOST_SOFTWARE_ELEMENTS: usize = 65_472;
+/// The same of a hardware device: several times what the largest keeps in flight, and tenths of a second on a slow one.
+const MOST_HARDWARE_ELEMENTS: usize = 1 << 19;
 
 /// An entry file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -376,6 +378,11 @@ impl Kernels {
 }
 
 impl Gpu {
+    /// Elements of one dispatch at most.
+    pub(super) fn most_elements(&self) -> usize {
+        if self.is_software() { MOST_SOFTWARE_ELEMENTS } else { MOST_HARDWARE_ELEMENTS }
+    }
+
     /// The pipeline of an entry file for a scene, compiled at its first use.
     pub(super) fn pipeline(
         &self,
@@ -427,7 +434,7 @@ impl Gpu {
         Ok(pipeline)
     }
 
-    /// Runs a kernel over `count` elements.
+    /// Has a kernel run over `count` elements, at most [`Gpu::most_elements`]; [`Gpu::read`] waits for it.
     pub(super) fn dispatch(
         &self,
         pipeline: &wgpu::ComputePipeline,
@@ -444,7 +451,9 @@ impl Gpu {
         pass.dispatch_workgroups(count.div_ceil(lanes), 1, 1);
         drop(pass);
         let commands = encoder.finish();
-        self.run(commands)
+        self.check()?;
+        self.queue.submit([commands]);
+        Ok(())
     }
 }
 

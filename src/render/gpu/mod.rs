@@ -6,6 +6,7 @@
 
 mod buffers;
 mod device;
+mod held;
 mod kernels;
 mod paths;
 mod picture;
@@ -14,6 +15,7 @@ mod trims;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
+pub use held::HeldWork;
 pub use kernels::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
 pub use trims::TrimQuery;
 

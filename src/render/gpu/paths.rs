@@ -99,7 +99,7 @@ impl Gpu {
         let shares: Vec<f32> = map.shares.iter().chain(on_ground).copied().collect();
         let shares = self.create_input("shares of the map", bytemuck::cast_slice(&shares));
         let light = [&texels, &shares];
-        let mut film = paint_paths(options, paths, progress, |pixels, samples| {
+        let mut film = paint_paths(options, paths, progress, self.most_elements(), |pixels, samples| {
             let mut sums = self.path_samples(scene, options, parameters, light, pixels, samples.clone())?;
             let given_up: Vec<usize> = (0..sums.len()).filter(|&index| sums[index].is_cut != 0).collect();
             let asked: Vec<u32> = given_up.iter().map(|&index| pixels[index]).collect();

@@ -4,10 +4,10 @@
 //! device in the CPU tracer's order, then read back. Memory on the device does not depend on the picture's size. What is made of centres and samples
 //! is common to both tracers (`cpu::adaptive`).
 
-use super::kernels::{MOST_ELEMENTS, NARROW, WIDE};
+use super::kernels::{NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::{Film, Window};
-use crate::render::cpu::adaptive::{Centers, MOST_REFINED, paint, with_margin};
+use crate::render::cpu::adaptive::{Centers, paint, with_margin};
 use crate::render::cpu::camera::pixel_key;
 use crate::render::cpu::pixels::{Center, INCOMPLETE, Refined, Sampled};
 use crate::render::cpu::section::WorldSection;
@@ -88,8 +88,6 @@ struct RenderParameters {
     reserved: [u32; 3],
 }
 
-const _: () = assert!(MOST_REFINED <= MOST_ELEMENTS);
-
 impl Gpu {
     /// Renders a picture; `progress` is told (done, total) units of work.
     ///
@@ -113,13 +111,14 @@ impl Gpu {
         let shot = Shot { gpu: self, scene, camera, options, placed };
         let count = window.width * window.height;
         let mut centers = Centers::new(&scene.scene, camera, options);
-        for first in (0..count).step_by(MOST_ELEMENTS) {
-            let pixels = first as u32..(first + MOST_ELEMENTS).min(count) as u32;
+        let most = self.most_elements();
+        for first in (0..count).step_by(most) {
+            let pixels = first as u32..(first + most).min(count) as u32;
             progress(first, count);
             centers.put(first, &shot.centers(pixels)?, eye_distance);
         }
         progress(count, count);
-        let mut film = paint(centers, |refined| shot.samples(refined))?;
+        let mut film = paint(centers, most, |refined| shot.samples(refined))?;
         options.background.put_behind(&mut film);
         Ok(film)
     }

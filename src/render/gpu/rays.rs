@@ -4,7 +4,7 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
+use super::kernels::{INCOMPLETE, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::{consistent_hits, settled};
@@ -18,17 +18,15 @@ use rayon::prelude::*;
 
 /// Slots per ray of the first pass.
 const FIRST_SLOTS: u32 = 8;
-/// Rays of one dispatch: few enough for tens of milliseconds on a slow device.
-const BATCH_RAYS: usize = MOST_ELEMENTS;
 /// Slots of one dispatch, 32 bytes each; also what a single ray may have.
 const BATCH_SLOTS: u32 = 1 << 20;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct ProbeParameters {
-    ray_count: u32,
-    first_only: u32,
-    reserved: [u32; 2],
+pub(super) struct ProbeParameters {
+    pub(super) ray_count: u32,
+    pub(super) first_only: u32,
+    pub(super) reserved: [u32; 2],
 }
 
 /// A ray as the kernel reads it. 64 bytes.
@@ -74,10 +72,10 @@ struct Answers {
 
 /// A ray on its way: which one of the caller's, and how many slots it needs.
 #[derive(Clone, Copy)]
-struct Pending {
-    index: usize,
-    prepared: PreparedRay<f32>,
-    slots: u32,
+pub(super) struct Pending {
+    pub(super) index: usize,
+    pub(super) prepared: PreparedRay<f32>,
+    pub(super) slots: u32,
 }
 
 impl Gpu {
@@ -129,7 +127,8 @@ impl Gpu {
         let Wanted { first_only, exactness, alone } = wanted;
         let mut answers = Answers { hits: vec![Vec::new(); rays.len()], uncertain: Vec::new() };
         let slots = if first_only { 1 } else { FIRST_SLOTS };
-        for (first, batch) in (0..).step_by(BATCH_RAYS).zip(rays.chunks(BATCH_RAYS)) {
+        let most = self.most_elements();
+        for (first, batch) in (0..).step_by(most).zip(rays.chunks(most)) {
             let pending: Vec<Pending> = (first..)
                 .zip(batch)
                 .filter_map(|(index, ray)| {
@@ -282,7 +281,7 @@ fn groups(rays: &[Pending]) -> Vec<&[Pending]> {
     groups
 }
 
-fn probe_ray(ray: &Pending, first_slot: u32) -> ProbeRay {
+pub(super) fn probe_ray(ray: &Pending, first_slot: u32) -> ProbeRay {
     let PreparedRay { ray: world, near, .. } = ray.prepared;
     ProbeRay {
         grid: world.grid,

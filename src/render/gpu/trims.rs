@@ -1,15 +1,15 @@
 //! Whether given points are inside trims: the kernels' trim queries alone, for tests and for the trimming study.
 
-use super::kernels::{INCOMPLETE, MOST_ELEMENTS, NARROW, WIDE};
+use super::kernels::{INCOMPLETE, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
 use bytemuck::{Pod, Zeroable};
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct TrimParameters {
-    query_count: u32,
-    reserved: [u32; 3],
+pub(super) struct TrimParameters {
+    pub(super) query_count: u32,
+    pub(super) reserved: [u32; 3],
 }
 
 /// A point of a face's parameter square. 16 bytes.
@@ -32,7 +32,7 @@ impl Gpu {
     /// The device's own.
     pub fn trim_inside(&self, scene: &GpuScene<'_>, queries: &[TrimQuery]) -> Result<Vec<bool>, GpuError> {
         let mut answers = Vec::with_capacity(queries.len());
-        for batch in queries.chunks(MOST_ELEMENTS) {
+        for batch in queries.chunks(self.most_elements()) {
             let mut found = self.trim_batch(scene, batch, WIDE)?;
             if found.contains(&INCOMPLETE) {
                 found = self.trim_batch(scene, batch, NARROW)?;

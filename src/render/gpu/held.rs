@@ -1,0 +1,122 @@
+//! Work whose inputs are on the device already and whose answers stay there: what the kernels do, without the way there and back.
+//!
+//! A bench that times [`Gpu::probe`] on a fast device times the bus and the host, which prepares rays and sorts hits. Here only the kernel runs, over
+//! all that was brought before, as often as is asked. What it finds can be counted, so that no bench times a kernel that finds nothing.
+
+use super::kernels::WIDE;
+use super::rays::{Pending, ProbeHit, ProbeParameters, probe_ray};
+use super::trims::{TrimParameters, TrimQuery};
+use super::{Entry, Gpu, GpuError, GpuScene};
+use crate::render::cpu::ray_space::prepare;
+use crate::render::{Exactness, Ray};
+use rayon::prelude::*;
+
+/// What a kernel is to do, on the device. It belongs to the scene that it was made for.
+pub struct HeldWork {
+    pipeline: wgpu::ComputePipeline,
+    batches: Vec<Batch>,
+}
+
+struct Batch {
+    bind_group: wgpu::BindGroup,
+    count: u32,
+    /// A word for each element: hits of a ray, whether a point is inside.
+    answers: wgpu::Buffer,
+}
+
+impl HeldWork {
+    /// Elements of all batches: rays, or trim queries.
+    pub fn count(&self) -> u64 {
+        self.batches.iter().map(|batch| u64::from(batch.count)).sum()
+    }
+}
+
+impl Gpu {
+    /// Brings rays to the device, to be traced to their first hits. Those that cannot meet the scene stay behind.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn hold_rays(
+        &self,
+        scene: &GpuScene<'_>,
+        rays: &[Ray],
+        exactness: Exactness,
+    ) -> Result<HeldWork, GpuError> {
+        let pipeline = self.pipeline(Entry::Probe, scene, exactness, false, WIDE)?;
+        let mut batches = Vec::new();
+        for batch in rays.chunks(self.most_elements()) {
+            let prepared: Vec<_> =
+                batch.par_iter().filter_map(|ray| prepare::<f32>(ray, scene.scene.header)).collect();
+            let rays: Vec<_> = (0..)
+                .zip(prepared)
+                .map(|(slot, prepared)| probe_ray(&Pending { index: 0, prepared, slots: 1 }, slot))
+                .collect();
+            if rays.is_empty() {
+                continue;
+            }
+            let count = rays.len() as u32;
+            let parameters = ProbeParameters { ray_count: count, first_only: 1, reserved: [0; 2] };
+            let parameters = self.create_uniform("probe parameters", &parameters);
+            let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
+            let hits = self.create_output("probe hits", u64::from(count) * size_of::<ProbeHit>() as u64);
+            let answers = self.create_output("probe counts", 4 * u64::from(count));
+            let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &answers]);
+            batches.push(Batch { bind_group, count, answers });
+        }
+        self.check()?;
+        Ok(HeldWork { pipeline, batches })
+    }
+
+    /// Brings points to the device, to be told whether they are inside their trims.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn hold_queries(&self, scene: &GpuScene<'_>, queries: &[TrimQuery]) -> Result<HeldWork, GpuError> {
+        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, WIDE)?;
+        let of_batch = |queries: &[TrimQuery]| {
+            let count = queries.len() as u32;
+            let parameters = self
+                .create_uniform("trim parameters", &TrimParameters { query_count: count, reserved: [0; 3] });
+            let input = self.create_input("trim queries", bytemuck::cast_slice(queries));
+            let answers = self.create_output("trim answers", 4 * u64::from(count));
+            Batch { bind_group: self.bind(Entry::Trim, &[&parameters, &input, &answers]), count, answers }
+        };
+        let batches = queries.chunks(self.most_elements()).map(of_batch).collect();
+        self.check()?;
+        Ok(HeldWork { pipeline, batches })
+    }
+
+    /// Does the work, all batches in one submission, and waits for its end.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn run_held(&self, scene: &GpuScene<'_>, work: &HeldWork) -> Result<(), GpuError> {
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&work.pipeline);
+        pass.set_bind_group(0, &scene.bind_group, &[]);
+        for batch in &work.batches {
+            pass.set_bind_group(1, &batch.bind_group, &[]);
+            pass.dispatch_workgroups(batch.count.div_ceil(WIDE), 1, 1);
+        }
+        drop(pass);
+        self.run(encoder.finish())
+    }
+
+    /// How many elements of work that has been done have an answer above 0: rays with hits, points that are inside.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn count_held(&self, work: &HeldWork) -> Result<u64, GpuError> {
+        let mut found = 0;
+        for batch in &work.batches {
+            let answers: Vec<u32> = self.read(&batch.answers, batch.count as usize)?;
+            found += answers.iter().filter(|&&answer| answer != 0).count() as u64;
+        }
+        Ok(found)
+    }
+}
