@@ -83,6 +83,9 @@ pub fn measure_frames<E>(
     Ok(())
 }
 
+/// GPUs take tenths of a second of work before they run at their full clock.
+const WARM_UP_SECONDS: f64 = 0.5;
+
 /// The first hits of rays that a device holds, again and again, as a stage of their own.
 ///
 /// # Errors
@@ -93,11 +96,15 @@ pub fn measure_kernel<E>(
     times: &mut StageTimes,
     mut run: impl FnMut() -> Result<(), E>,
 ) -> Result<(), E> {
+    let mut clock = Clock(Instant::now());
     for _ in 0..load.warm_ups {
         run()?;
     }
+    while clock.0.elapsed().as_secs_f64() < WARM_UP_SECONDS {
+        run()?;
+    }
     for _ in 0..load.repeat {
-        let mut clock = Clock(Instant::now());
+        clock.lap();
         run()?;
         times.add(stage, clock.lap());
     }

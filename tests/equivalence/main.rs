@@ -4,6 +4,7 @@
 #![cfg(feature = "gpu")]
 
 mod compare;
+mod held;
 mod layers;
 mod lines;
 mod paths;

@@ -3,7 +3,7 @@
 //! A bench that times [`Gpu::probe`] on a fast device times the bus and the host, which prepares rays and sorts hits. Here only the kernel runs, over
 //! all that was brought before, as often as is asked. What it finds can be counted, so that no bench times a kernel that finds nothing.
 
-use super::kernels::WIDE;
+use super::kernels::{INCOMPLETE, WIDE};
 use super::rays::{Pending, ProbeHit, ProbeParameters, probe_ray};
 use super::trims::{TrimParameters, TrimQuery};
 use super::{Entry, Gpu, GpuError, GpuScene};
@@ -106,7 +106,8 @@ impl Gpu {
         self.run(encoder.finish())
     }
 
-    /// How many elements of work that has been done have an answer above 0: rays with hits, points that are inside.
+    /// How many elements of work that has been done have an answer above 0: rays with hits, points that are inside. Those that a software device gives up on
+    /// have none.
     ///
     /// # Errors
     ///
@@ -115,7 +116,7 @@ impl Gpu {
         let mut found = 0;
         for batch in &work.batches {
             let answers: Vec<u32> = self.read(&batch.answers, batch.count as usize)?;
-            found += answers.iter().filter(|&&answer| answer != 0).count() as u64;
+            found += answers.iter().filter(|&&answer| answer != 0 && answer != INCOMPLETE).count() as u64;
         }
         Ok(found)
     }
