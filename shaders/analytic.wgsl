@@ -1,8 +1,20 @@
 // Rays against planes, cylinders, cones, spheres and tori; the twin of render/cpu/analytic.rs.
 
+// Ascending; INFINITE beyond the count. A vector, where an array would lie in memory.
 struct Roots {
     count: u32,
-    t: array<f32, 4>,
+    t: vec4<f32>,
+}
+
+fn no_roots() -> Roots {
+    return Roots(0u, vec4<f32>(INFINITE));
+}
+
+// The least that is left.
+fn next_root(roots: ptr<function, Roots>) -> f32 {
+    let t = (*roots).t.x;
+    (*roots).t = vec4<f32>((*roots).t.yzw, INFINITE);
+    return t;
 }
 
 // S_u and S_v.
@@ -15,15 +27,8 @@ fn insert(roots: ptr<function, Roots>, t: f32) {
     if !is_finite(t) || (*roots).count == 4u {
         return;
     }
-    var at = (*roots).count;
-    while at > 0u {
-        if (*roots).t[at - 1u] <= t {
-            break;
-        }
-        (*roots).t[at] = (*roots).t[at - 1u];
-        at -= 1u;
-    }
-    (*roots).t[at] = t;
+    let known = (*roots).t;
+    (*roots).t = min(known, vec4<f32>(t, max(known.xyz, vec3<f32>(t))));
     (*roots).count += 1u;
 }
 
@@ -43,11 +48,11 @@ fn carrier_roots(kind: u32, origin: vec3<f32>, direction: vec3<f32>, radii: vec2
     if HAS_TORUS {
         return torus_roots(origin, direction, radii.x, radii.y);
     }
-    return Roots();
+    return no_roots();
 }
 
 fn plane_roots(o: vec3<f32>, d: vec3<f32>) -> Roots {
-    var roots = Roots();
+    var roots = no_roots();
     insert(&roots, -o.z / d.z);
     return roots;
 }
@@ -61,7 +66,7 @@ fn sphere_roots(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
 }
 
 fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
-    var roots = Roots();
+    var roots = no_roots();
     let dd = dot(d, d);
     let slide = -dot(o, d) / dd;
     let closest = fused(d, slide, o);
@@ -78,7 +83,7 @@ fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
 const FARTHEST_SLIDE: f32 = 64.0;
 
 fn cone_roots(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32) -> Roots {
-    var roots = Roots();
+    var roots = no_roots();
     var slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
     slide = select(0.0, slide, abs(slide) * length(d) <= FARTHEST_SLIDE * (length(o) + abs(radius)));
     let p = fused(d, slide, o);

@@ -62,11 +62,56 @@ fn net_degrees(net: u32) -> vec2<u32> {
     return (vec2<u32>(nets[net].degrees) >> vec2<u32>(0u, 8u)) & vec2<u32>(0xffu);
 }
 
+// The same of degrees up to three, which most nets have: without loops, with all points on their way at once.
+struct CubicBasis {
+    values: vec4<f32>,
+    slopes: vec4<f32>,
+}
+
+fn cubic_basis(degree: u32, t: f32) -> CubicBasis {
+    let s = 1.0 - t;
+    let m = f32(degree) - 1.0;
+    let y = t * m;
+    let z = y * t * ((m - 1.0) * 0.5);
+    let q = select(1.0, s, m >= 1.0);
+    let r = select(q, q * s, m >= 2.0);
+    let lower = select(vec4<f32>(q, y, 0.0, 0.0), vec4<f32>(r, y * s, z, 0.0), m >= 2.0);
+    let shifted = vec4<f32>(0.0, lower.xyz);
+    return CubicBasis(t * shifted + s * lower, f32(degree) * (shifted - lower));
+}
+
+fn cubic_jet(first: u32, degrees: vec2<u32>, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
+    let u = cubic_basis(degrees.x, uv.x);
+    let v = cubic_basis(degrees.y, uv.y);
+    let column = min(vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.y));
+    let row = first + min(vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.x)) * (degrees.y + 1u);
+    let a = cubic_row(row.x + column, about);
+    let b = cubic_row(row.y + column, about);
+    let c = cubic_row(row.z + column, about);
+    let d = cubic_row(row.w + column, about);
+    let values = mat4x4<f32>(a * v.values, b * v.values, c * v.values, d * v.values);
+    let across = mat4x4<f32>(a * v.slopes, b * v.slopes, c * v.slopes, d * v.slopes);
+    return NetJet(values * u.values, values * u.slopes, across * u.values);
+}
+
+fn cubic_row(index: vec4<u32>, about: vec3<f32>) -> mat4x4<f32> {
+    return mat4x4<f32>(moved_point(index.x, about), moved_point(index.y, about), moved_point(index.z, about), moved_point(index.w, about));
+}
+
 fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     let degrees = net_degrees(net);
+    if all(degrees <= vec2<u32>(3u)) {
+        return cubic_jet(nets[net].first_point, degrees, about, uv);
+    }
     var basis = basis_and_slopes(degrees, uv);
     var jet: NetJet;
+    var values: vec4<f32>;
+    var slopes: vec4<f32>;
     for (var i = 0u; i <= degrees.x; i++) {
+        if i % 4u == 0u {
+            values = basis.values[i / 4u];
+            slopes = basis.slopes[i / 4u];
+        }
         let first = nets[net].first_point + i * (degrees.y + 1u);
         var row = vec4<f32>(0.0);
         var row_v = vec4<f32>(0.0);
@@ -75,10 +120,11 @@ fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
             row += four * basis.values[CHUNKS + c];
             row_v += four * basis.slopes[CHUNKS + c];
         }
-        let value = basis.values[i / 4u][i % 4u];
-        jet.value += row * value;
-        jet.by_u += row * basis.slopes[i / 4u][i % 4u];
-        jet.by_v += row_v * value;
+        jet.value += row * values.x;
+        jet.by_u += row * slopes.x;
+        jet.by_v += row_v * values.x;
+        values = values.yzwx;
+        slopes = slopes.yzwx;
     }
     return jet;
 }

@@ -11,9 +11,13 @@ struct Walk {
     first_primitive: u32,
     group: vec2<u32>,
     primitives: vec2<u32>,
-    stack: array<vec2<u32>, STACK_SIZE>,
+    // Where on the stack its groups begin and end.
+    bottom: u32,
     depth: u32,
 }
+
+// Of both levels: the walk through a part begins where that over instances has its groups.
+var<private> stack: array<vec2<u32>, 2u * STACK_SIZE>;
 
 // What `next_primitive` answers where nothing is left: `None` of the twin. No primitive word has all bits set.
 const NO_PRIMITIVE: u32 = 0xffffffffu;
@@ -30,13 +34,14 @@ fn inverse(x: f32) -> f32 {
     return 1.0 / x;
 }
 
-fn start_walk(first_node: u32, node_count: u32, first_primitive: u32) -> Walk {
+fn start_walk(first_node: u32, node_count: u32, first_primitive: u32, bottom: u32) -> Walk {
     var walk: Walk;
     walk.first_node = first_node;
     walk.first_primitive = first_primitive;
     walk.group = vec2<u32>(0u, select(0x80000000u, 0u, node_count == 0u));
     walk.primitives = vec2<u32>(0u);
-    walk.depth = 0u;
+    walk.bottom = bottom;
+    walk.depth = bottom;
     return walk;
 }
 
@@ -48,31 +53,41 @@ fn next_primitive(walk: ptr<function, Walk>, ray: BvhRay, near: f32, far: f32) -
             return primitives[(*walk).first_primitive + (*walk).primitives.x + bit];
         }
         if ((*walk).group.y & 0xff000000u) == 0u {
-            if (*walk).depth == 0u {
+            if (*walk).depth == (*walk).bottom {
                 return NO_PRIMITIVE;
             }
             (*walk).depth -= 1u;
-            (*walk).group = (*walk).stack[(*walk).depth];
+            (*walk).group = stack[(*walk).depth];
         }
         let siblings = (*walk).group.y;
         let bit = firstLeadingBit(siblings);
         (*walk).group.y &= ~(1u << bit);
-        if ((*walk).group.y & 0xff000000u) != 0u && (*walk).depth < STACK_SIZE {
-            (*walk).stack[(*walk).depth] = (*walk).group;
+        if ((*walk).group.y & 0xff000000u) != 0u && (*walk).depth < 2u * STACK_SIZE {
+            stack[(*walk).depth] = (*walk).group;
             (*walk).depth += 1u;
         }
         let slot = (bit - 24u) ^ ray.octant;
         let rank = countOneBits(siblings & ~(0xffffffffu << slot));
         let node = (*walk).first_node + (*walk).group.x + rank;
-        let hits = intersect_node(node, ray, near, far);
-        (*walk).group = vec2<u32>(bvh_nodes[node].child_base, (hits & 0xff000000u) | (bvh_nodes[node].e_imask >> 24u));
-        (*walk).primitives = vec2<u32>(bvh_nodes[node].primitive_base, hits & 0x00ffffffu);
+        let met = bvh_node(node);
+        let hits = intersect_node(met, ray, near, far);
+        (*walk).group = vec2<u32>(met.child_base, (hits & 0xff000000u) | (met.e_imask >> 24u));
+        (*walk).primitives = vec2<u32>(met.primitive_base, hits & 0x00ffffffu);
     }
     return NO_PRIMITIVE;
 }
 
-fn intersect_node(index: u32, ray: BvhRay, near: f32, far: f32) -> u32 {
-    let node = bvh_nodes[index];
+// A node in the five loads that it takes.
+fn bvh_node(index: u32) -> BvhNode {
+    let a = bvh_nodes[5u * index];
+    let b = bvh_nodes[5u * index + 1u];
+    let c = bvh_nodes[5u * index + 2u];
+    let d = bvh_nodes[5u * index + 3u];
+    let e = bvh_nodes[5u * index + 4u];
+    return BvhNode(bitcast<vec3<f32>>(a.xyz), a.w, b.x, b.y, b.zw, c.xy, c.zw, d.xy, d.zw, e.xy, e.zw);
+}
+
+fn intersect_node(node: BvhNode, ray: BvhRay, near: f32, far: f32) -> u32 {
     let imask = node.e_imask >> 24u;
     let x = axis_terms(node.p.x, node.e_imask & 0xffu, ray.origin.x, ray.inverse.x);
     let y = axis_terms(node.p.y, (node.e_imask >> 8u) & 0xffu, ray.origin.y, ray.inverse.y);

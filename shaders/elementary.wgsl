@@ -46,3 +46,16 @@ fn real_sin_cos(x: f32) -> vec2<f32> {
     let cosine = select(c, s, swapped);
     return vec2<f32>(select(sine, -sine, quadrant >= 2), select(cosine, -cosine, quadrant == 1 || quadrant == 2));
 }
+
+// The coordinate along an axis, 0 or 1: a choice, as an index would send the vector through memory.
+fn along_axis(v: vec2<f32>, axis: u32) -> f32 {
+    return select(v.x, v.y, axis == 1u);
+}
+
+fn count_along(v: vec2<u32>, axis: u32) -> u32 {
+    return select(v.x, v.y, axis == 1u);
+}
+
+fn with_count_along(v: vec2<u32>, axis: u32, value: u32) -> vec2<u32> {
+    return select(vec2<u32>(value, v.y), vec2<u32>(v.x, value), axis == 1u);
+}

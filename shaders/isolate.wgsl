@@ -3,6 +3,9 @@
 const MAX_ISOLATION_LEVEL: u32 = 8u;
 const MAX_ISOLATION_CELLS: u32 = 4096u;
 const MAX_POLE_LEVEL: u32 = 21u;
+const QUARTER: f32 = 0.5 + 1.0 / 64.0;
+const SIDES_U = vec4<f32>(-1.0, 1.0, -1.0, 1.0);
+const SIDES_V = vec4<f32>(-1.0, -1.0, 1.0, 1.0);
 
 // How sure a search is to end at a root.
 const UNIQUE: u32 = 0u;
@@ -13,6 +16,8 @@ const OPEN: u32 = 2u;
 struct Cell {
     level: vec2<u32>,
     place: vec2<u32>,
+    // Of each quartering that led here, four bits: the quarters that may hold a root.
+    quarters: u32,
 }
 
 // The side of a leaf that is one point.
@@ -29,6 +34,8 @@ struct Verdict {
     across: f32,
     wanted: bool,
     splits: bool,
+    // Which may hold a root, of the parts of a cell that is quartered.
+    quarters: u32,
 }
 
 fn leaf_pole(net: u32, domain: Domain) -> Pole {
@@ -52,41 +59,47 @@ fn point_side(axis: u32, end: u32) -> u32 {
 }
 
 fn is_at_pole(cell: Cell, pole: Pole) -> bool {
-    let last = select(0u, (1u << cell.level[pole.axis]) - 1u, pole.is_high);
-    return pole.exists && cell.level[1u - pole.axis] == 0u && cell.place[pole.axis] == last;
+    let last = select(0u, (1u << count_along(cell.level, pole.axis)) - 1u, pole.is_high);
+    return pole.exists && count_along(cell.level, 1u - pole.axis) == 0u && count_along(cell.place, pole.axis) == last;
 }
 
-fn first_part(cell: Cell, pole: Pole) -> Cell {
-    let is_cut = select(vec2<u32>(1u), select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), pole.axis == 1u), is_at_pole(cell, pole));
-    return Cell(cell.level + is_cut, cell.place << is_cut);
+fn first_part(cell: Cell, pole: Pole, quarters: u32) -> Cell {
+    if is_at_pole(cell, pole) {
+        let is_cut = select(vec2<u32>(1u, 0u), vec2<u32>(0u, 1u), pole.axis == 1u);
+        return Cell(cell.level + is_cut, cell.place << is_cut, cell.quarters);
+    }
+    let shift = 4u * count_along(cell.level, 1u - pole.axis);
+    let first = firstTrailingBit(quarters);
+    let place = (cell.place << vec2<u32>(1u)) | vec2<u32>(first & 1u, first >> 1u);
+    return Cell(cell.level + vec2<u32>(1u), place, (cell.quarters & ~(15u << shift)) | (quarters << shift));
 }
 
-// The next of four, or of the parent's four, and so on; false where there is none.
+// The next of four that may hold a root, or of the parent's four, and so on; false where there is none.
 fn next_cell(cell: ptr<function, Cell>, pole: Pole) -> bool {
     var level = (*cell).level;
     var place = (*cell).place;
-    while level[1u - pole.axis] > 0u && (place.x & place.y & 1u) == 1u {
+    let quarters = (*cell).quarters;
+    while count_along(level, 1u - pole.axis) > 0u {
+        let this_one = (place.x & 1u) | ((place.y & 1u) << 1u);
+        let next = (quarters >> (4u * (count_along(level, 1u - pole.axis) - 1u))) & 15u & ~((2u << this_one) - 1u);
+        if next != 0u {
+            let first = firstTrailingBit(next);
+            place = (place & vec2<u32>(0xfffffffeu)) | vec2<u32>(first & 1u, first >> 1u);
+            *cell = Cell(level, place, quarters);
+            return true;
+        }
         level -= vec2<u32>(1u);
         place = place >> vec2<u32>(1u);
     }
-    if level[1u - pole.axis] > 0u {
-        if (place.x & 1u) == 0u {
-            place.x += 1u;
-        } else {
-            place = vec2<u32>(place.x - 1u, place.y + 1u);
-        }
-        *cell = Cell(level, place);
-        return true;
-    }
-    var halves = level[pole.axis];
-    var half = place[pole.axis];
+    var halves = count_along(level, pole.axis);
+    var half = count_along(place, pole.axis);
     while halves > 0u && (half & 1u) == 1u {
         halves -= 1u;
         half >>= 1u;
     }
-    level[pole.axis] = halves;
-    place[pole.axis] = half + 1u;
-    *cell = Cell(level, place);
+    level = with_count_along(level, pole.axis, halves);
+    place = with_count_along(place, pole.axis, half + 1u);
+    *cell = Cell(level, place, quarters);
     return halves > 0u;
 }
 
@@ -107,19 +120,19 @@ fn cell_center(cell: Cell, domain: Domain) -> vec2<f32> {
 
 fn bend_area(cell: Cell, at: LeafRay, reach: vec2<f32>) -> f32 {
     let axis = at.pole.axis;
-    let across = reach[axis];
-    let along = reach[1u - axis];
+    let across = along_axis(reach, axis);
+    let along = along_axis(reach, 1u - axis);
     var share = 1.0;
     if at.pole.exists {
-        let count = 1u << cell.level[axis];
-        let steps = select(cell.place[axis] + 1u, count - cell.place[axis], at.pole.is_high);
+        let count = 1u << count_along(cell.level, axis);
+        let steps = select(count_along(cell.place, axis) + 1u, count - count_along(cell.place, axis), at.pole.is_high);
         share = bend_at_pole(at, f32(steps + 1u) / f32(count));
     }
     return max(max(share * along * along, across * along), across * across);
 }
 
 fn bend_at_pole(at: LeafRay, across: f32) -> f32 {
-    return min(1.0, f32(net_degrees(net_leaves[at.leaf].net)[at.pole.axis]) * across);
+    return min(1.0, f32(count_along(net_degrees(net_leaves[at.leaf].net), at.pole.axis)) * across);
 }
 
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
@@ -141,16 +154,28 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
         || any(abs(step) > abs(determinant) + rows * remainder);
     let middle = cell_center(cell, at.domain);
     if is_at_pole(cell, at.pole) {
-        let across = 2.0 * reach[at.pole.axis];
+        let across = 2.0 * along_axis(reach, at.pole.axis);
         let image = select(length(a), length(b), at.pole.axis == 1u) * across;
-        let is_small = image <= (at.slack + rounding) * 8.0 || cell.level[at.pole.axis] == MAX_POLE_LEVEL;
-        return Verdict(middle, OPEN, across, !misses && is_small, !misses && !is_small);
+        let is_small = image <= (at.slack + rounding) * 8.0 || count_along(cell.level, at.pole.axis) == MAX_POLE_LEVEL;
+        return Verdict(middle, OPEN, across, !misses && is_small, !misses && !is_small, 0u);
     }
     let turning = max(rows.x, rows.y) * curving;
     let is_regular = turning < 0.9 * abs(determinant)
         && turning * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
     let start = middle - select(vec2<f32>(0.0), step / determinant * (at.domain.size * reach), is_regular);
-    let splits = !misses && !is_regular && cell.level[1u - at.pole.axis] < MAX_ISOLATION_LEVEL;
+    let may_split = !misses && !is_regular && count_along(cell.level, 1u - at.pole.axis) < MAX_ISOLATION_LEVEL;
+    // By quarter: low and low, high and low, low and high, high and high.
+    let first = (p.f_s.x * SIDES_U + p.f_t.x * SIDES_V) * 0.5 + p.f.x;
+    let second = (p.f_s.y * SIDES_U + p.f_t.y * SIDES_V) * 0.5 + p.f.y;
+    let off_u = step.x + determinant * SIDES_U * 0.5;
+    let off_v = step.y + determinant * SIDES_V * 0.5;
+    let most = (abs(p.f_s) + abs(p.f_t)) * QUARTER + plane_norms * remainder;
+    let most_off = abs(determinant) * QUARTER + rows * remainder;
+    let is_empty = (abs(first) > vec4<f32>(most.x)) | (abs(second) > vec4<f32>(most.y))
+        | (abs(off_u) > vec4<f32>(most_off.x)) | (abs(off_v) > vec4<f32>(most_off.y));
+    let kept = select(vec4<u32>(1u, 2u, 4u, 8u), vec4<u32>(0u), is_empty);
+    let quarters = kept.x | kept.y | kept.z | kept.w;
+    let splits = may_split && quarters != 0u;
     let kind = select(OPEN, select(REGULAR, UNIQUE, max(cell.level.x, cell.level.y) <= 2u), is_regular);
-    return Verdict(start, kind, 1.0, !misses, splits);
+    return Verdict(start, kind, 1.0, !misses && !may_split, splits, quarters);
 }

@@ -77,7 +77,7 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     let at = LeafRay(leaf, domain, ray, ray_planes(ray), faces[nets[net].face].slack, pole);
     let isolating = EXACTNESS == EXACT && !hit.unique && has_bend_bound(leaf);
     let kind = select(OPEN, UNIQUE, hit.unique);
-    var cell = Cell(vec2<u32>(0u), vec2<u32>(0u));
+    var cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
     let starts = fixed_starts(hit);
     var next_start = starts.x;
     var starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, isolating);
@@ -101,7 +101,7 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
         if isolating && is_new {
             let verdict = examine(jet, at, cell);
             if verdict.splits {
-                cell = first_part(cell, pole);
+                cell = first_part(cell, pole, verdict.quarters);
                 continue;
             }
             search = search_from(verdict.start, verdict.kind, verdict.across, verdict.wanted);

@@ -1,26 +1,28 @@
 // Two planes through a ray; the twin of render/cpu/planes.rs.
 
 struct RayPlanes {
-    major: u32,
-    minor: vec2<u32>,
+    // Of the planes: 1 along one of the two lesser axes of the direction, -slope along the greatest, 0 along the third.
+    first: vec3<f32>,
+    second: vec3<f32>,
     slope: vec2<f32>,
 }
 
 fn ray_planes(ray: PrimitiveRay) -> RayPlanes {
     let d = ray.direction;
-    var major = 2u;
     if abs(d.x) >= abs(d.y) && abs(d.x) >= abs(d.z) {
-        major = 0u;
-    } else if abs(d.y) >= abs(d.z) {
-        major = 1u;
+        let slope = d.yz / d.x;
+        return RayPlanes(vec3<f32>(-slope.x, 1.0, 0.0), vec3<f32>(-slope.y, 0.0, 1.0), slope);
     }
-    let minor = vec2<u32>((major + 1u) % 3u, (major + 2u) % 3u);
-    let slope = vec2<f32>(d[minor.x] / d[major], d[minor.y] / d[major]);
-    return RayPlanes(major, minor, slope);
+    if abs(d.y) >= abs(d.z) {
+        let slope = d.zx / d.y;
+        return RayPlanes(vec3<f32>(0.0, -slope.x, 1.0), vec3<f32>(1.0, -slope.y, 0.0), slope);
+    }
+    let slope = d.xy / d.z;
+    return RayPlanes(vec3<f32>(1.0, 0.0, -slope.x), vec3<f32>(0.0, 1.0, -slope.y), slope);
 }
 
 fn plane_values(planes: RayPlanes, p: vec4<f32>) -> vec2<f32> {
-    return vec2<f32>(p[planes.minor.x], p[planes.minor.y]) - planes.slope * p[planes.major];
+    return vec2<f32>(dot(planes.first, p.xyz), dot(planes.second, p.xyz));
 }
 
 struct PlaneJet {

@@ -18,7 +18,7 @@ struct Bracket {
 }
 
 fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
-    var roots = Roots();
+    var roots = no_roots();
     let size = major + minor;
     let norm = length(d);
     let direction = d * (1.0 / norm);
@@ -41,7 +41,7 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
     for (var i = 0u; i <= cuts.count; i++) {
         var high = bounds.y;
         if i < cuts.count {
-            high = cuts.t[i];
+            high = next_root(&cuts);
         }
         let root = root_between(low, high, q, false);
         if root.found {
@@ -107,7 +107,7 @@ fn curvature(q: Quartic, t: f32) -> f32 {
 }
 
 fn critical_points(q: Quartic, bounds_from: f32, bounds_to: f32) -> Roots {
-    var inflections = Roots();
+    var inflections = no_roots();
     let discriminant = q.c2 * q.c2 - 12.0 * q.c1;
     if discriminant > 0.0 {
         let root = sqrt(discriminant);
@@ -120,12 +120,12 @@ fn critical_points(q: Quartic, bounds_from: f32, bounds_to: f32) -> Roots {
             insert(&inflections, second);
         }
     }
-    var critical = Roots();
+    var critical = no_roots();
     var low = bounds_from;
     for (var i = 0u; i <= inflections.count; i++) {
         var high = bounds_to;
         if i < inflections.count {
-            high = inflections.t[i];
+            high = next_root(&inflections);
         }
         let root = root_between(low, high, q, true);
         if root.found {

@@ -40,7 +40,7 @@ fn comes_before(a: RawHit, b: RawHit) -> bool {
 
 fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
     let top = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
-    var placements = start_walk(0u, header.node_count, 0u);
+    var placements = start_walk(0u, header.node_count, 0u, 0u);
     loop {
         let instance = next_primitive(&placements, top, beyond(near, 0.0), beyond((*collected).far, 0.0));
         if instance == NO_PRIMITIVE {
@@ -48,15 +48,15 @@ fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
         }
         let part_ray = enter_instance(ray, instance);
         if part_ray.meets {
-            trace_part(part_ray, instance, near, collected);
+            trace_part(part_ray, instance, near, placements.depth, collected);
         }
     }
 }
 
-fn trace_part(ray: PartRay, instance: u32, near: Distance, collected: ptr<function, Collected>) {
+fn trace_part(ray: PartRay, instance: u32, near: Distance, bottom: u32, collected: ptr<function, Collected>) {
     let part = parts[instances[instance].part];
     let boxes = bvh_ray(ray.near_origin, ray.direction);
-    var walk = start_walk(part.first_node, part.node_count, part.first_primitive);
+    var walk = start_walk(part.first_node, part.node_count, part.first_primitive, bottom);
     loop {
         let nearest = beyond(near, ray.near_anchor);
         let word = next_primitive(&walk, boxes, nearest, beyond((*collected).far, ray.near_anchor));
@@ -83,7 +83,7 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
     let radii = vec2<f32>(face.radius_0, face.radius_1);
     var roots = carrier_roots(face.kind, origin, direction, radii);
     for (var i = 0u; i < roots.count; i++) {
-        let t = roots.t[i];
+        let t = next_root(&roots);
         let distance = Distance(ray.anchor, t);
         if !is_between(distance, near, (*collected).far) {
             continue;

@@ -55,8 +55,8 @@ fn trim_cell(root: u32, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<function,
     for (var level = 0u; level < MAX_LEVELS && (word >> 31u) == 0u; level++) {
         let axis = (word >> 30u) & 1u;
         let right = word & FAR;
-        let beyond = uv[axis] - f32((word >> 16u) & 0x3fffu) * (1.0 / f32(PLANE_STEPS));
-        *is_near |= abs(beyond) <= extent[axis];
+        let beyond = along_axis(uv, axis) - f32((word >> 16u) & 0x3fffu) * (1.0 / f32(PLANE_STEPS));
+        *is_near |= abs(beyond) <= along_axis(extent, axis);
         if beyond < 0.0 {
             at += select(1u, 2u, right == FAR);
         } else if right == FAR {

@@ -173,8 +173,8 @@ fn kernels_validate() {
 }
 
 /// What only the shaders need: tests that the twin writes in place, loops of the twin that are one loop here, reads of arrays by index, and
-/// what WGSL's built-ins do not give.
-const WITHOUT_TWIN: [&str; 11] = [
+/// what WGSL's built-ins do not give; and what keeps vectors out of memory.
+const WITHOUT_TWIN: [&str; 20] = [
     "advance",
     "add_search",
     "search_from",
@@ -186,6 +186,15 @@ const WITHOUT_TWIN: [&str; 11] = [
     "real_sin_cos",
     "is_finite",
     "signum",
+    "along_axis",
+    "count_along",
+    "with_count_along",
+    "no_roots",
+    "next_root",
+    "bvh_node",
+    "cubic_basis",
+    "cubic_jet",
+    "cubic_row",
 ];
 
 /// A file's functions stand in the Rust file of the same stem, but for the methods that became functions.

@@ -13,7 +13,8 @@ fn was_cut() -> bool {
     return turns > MOST_TURNS || i != start + 3u;
 }
 
-@group(0) @binding(0) var<storage, read> bvh_nodes: array<BvhNode>;
+// Five words of four of a BvhNode after each other.
+@group(0) @binding(0) var<storage, read> bvh_nodes: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read> primitives: array<u32>;
 @group(0) @binding(2) var<storage, read> instances: array<Instance>;
 @group(0) @binding(3) var<storage, read> parts: array<Part>;

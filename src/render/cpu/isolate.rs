@@ -29,6 +29,9 @@ use crate::scene::{Net, point_side};
 const MAX_ISOLATION_LEVEL: u32 = 8;
 pub const MAX_ISOLATION_CELLS: u32 = 4096;
 
+/// Half the side of a quarter in half sides of its cell, and a thirty-second more: quarters overlap by more than what they are looked at beyond their sides.
+const QUARTER: f64 = 0.5 + 1.0 / 64.0;
+
 /// Halvings towards a pole: the slack is at least 2⁻²¹ of the net.
 const MAX_POLE_LEVEL: u32 = 21;
 
@@ -39,6 +42,8 @@ pub struct Cell {
     pub level: [u32; 2],
     /// Along u and v, in sides.
     pub place: [u32; 2],
+    /// Of each quartering that led here, four bits from the lowest on: the quarters that may hold a root.
+    pub quarters: u32,
 }
 
 /// The side of a leaf that is one point.
@@ -66,8 +71,8 @@ pub enum Verdict<T> {
         /// How far the cell reaches from a pole that it holds, in sides of the leaf; 1 where it holds none.
         across: T,
     },
-    /// That its parts are looked at instead.
-    Split,
+    /// That its parts are looked at instead: those quarters whose bits are set, at a pole both halves.
+    Split(u32),
 }
 
 /// How sure a search is to end at a root.
@@ -101,32 +106,43 @@ impl Cell {
         pole.exists && self.level[1 - pole.axis] == 0 && self.place[pole.axis] == last
     }
 
-    /// The first quarter, or at the pole the first half.
-    pub fn first_part(self, pole: Pole) -> Self {
-        let is_cut = |k: usize| u32::from(k == pole.axis || !self.is_at_pole(pole));
+    /// The first of the quarters that may hold a root, of which there is one at least, or at the pole the first half.
+    pub fn first_part(self, pole: Pole, quarters: u32) -> Self {
+        let Self { mut level, mut place, .. } = self;
+        if self.is_at_pole(pole) {
+            level[pole.axis] += 1;
+            place[pole.axis] <<= 1;
+            return Self { level, place, ..self };
+        }
+        let shift = 4 * level[1 - pole.axis];
+        let first = quarters.trailing_zeros();
         Self {
-            level: [0, 1].map(|k| self.level[k] + is_cut(k)),
-            place: [0, 1].map(|k| self.place[k] << is_cut(k)),
+            level: level.map(|x| x + 1),
+            place: [place[0] << 1 | first & 1, place[1] << 1 | first >> 1],
+            quarters: self.quarters & !(15 << shift) | quarters << shift,
         }
     }
 
-    /// The next of four, or of the parent's four, and so on; of two where the parent holds the pole.
+    /// The next of four that may hold a root, or of the parent's four, and so on; of two where the parent holds the pole.
     pub fn next_cell(self, pole: Pole) -> Option<Self> {
-        let Self { mut level, mut place } = self;
-        while level[1 - pole.axis] > 0 && place[0] & place[1] & 1 == 1 {
+        let Self { mut level, mut place, quarters } = self;
+        while level[1 - pole.axis] > 0 {
+            let this = place[0] & 1 | (place[1] & 1) << 1;
+            let next = quarters >> (4 * (level[1 - pole.axis] - 1)) & 15 & !((2 << this) - 1);
+            if next != 0 {
+                let first = next.trailing_zeros();
+                place = [place[0] & !1 | first & 1, place[1] & !1 | first >> 1];
+                return Some(Self { level, place, quarters });
+            }
             level = level.map(|x| x - 1);
             place = place.map(|x| x >> 1);
-        }
-        if level[1 - pole.axis] > 0 {
-            place = if place[0] & 1 == 0 { [place[0] + 1, place[1]] } else { [place[0] - 1, place[1] + 1] };
-            return Some(Self { level, place });
         }
         while level[pole.axis] > 0 && place[pole.axis] & 1 == 1 {
             level[pole.axis] -= 1;
             place[pole.axis] >>= 1;
         }
         place[pole.axis] += 1;
-        (level[pole.axis] > 0).then_some(Self { level, place })
+        (level[pole.axis] > 0).then_some(Self { level, place, quarters })
     }
 
     /// Whether the net ends at one of its sides: a root may lie beyond that, by the slack.
@@ -209,7 +225,7 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
         return if is_small || cell.level[axis] == MAX_POLE_LEVEL {
             Verdict::Search { start: middle, kind: SearchKind::Open, across }
         } else {
-            Verdict::Split
+            Verdict::Split(0)
         };
     }
     let turning = rows[0].max(rows[1]) * curving;
@@ -222,7 +238,19 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
         let kind = if is_large { SearchKind::Unique } else { SearchKind::Regular };
         Verdict::Search { start, kind, across: T::ONE }
     } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL {
-        Verdict::Split
+        let is_empty = |quarter: u32| {
+            let side = [0, 1].map(|k| if quarter >> k & 1 == 1 { T::ONE } else { -T::ONE });
+            (0..2).any(|k| {
+                let value = f[k] + (f_s[k] * side[0] + f_t[k] * side[1]) * number(0.5);
+                let off = step[k] + determinant * side[k] * number(0.5);
+                value.abs() > (f_s[k].abs() + f_t[k].abs()) * number(QUARTER) + plane_norms[k] * remainder
+                    || off.abs() > determinant.abs() * number(QUARTER) + rows[k] * remainder
+            })
+        };
+        match (0..4).filter(|&quarter| !is_empty(quarter)).fold(0, |found, quarter| found | 1 << quarter) {
+            0 => Verdict::Empty,
+            quarters => Verdict::Split(quarters),
+        }
     } else {
         Verdict::Search { start: middle, kind: SearchKind::Open, across: T::ONE }
     }

@@ -139,8 +139,8 @@ fn isolate<T: Kernel>(scene: &Scene<'_>, at: &LeafRay<'_, T>, roots: &mut NetRoo
     for _ in 0..MAX_ISOLATION_CELLS {
         let jet = net_jet(scene, at.net, at.ray.origin, cell.cell_center(at));
         match examine(&jet, at, cell) {
-            Verdict::Split => {
-                cell = cell.first_part(at.pole);
+            Verdict::Split(quarters) => {
+                cell = cell.first_part(at.pole, quarters);
                 continue;
             }
             Verdict::Search { start, kind, across } => search(scene, at, start, kind, across, roots),
