@@ -155,7 +155,7 @@ fn slab_start(hit: SlabHit, t: f32, domain: Domain) -> vec2<f32> {
     return domain.low + domain.size * place;
 }
 
-// One turn of the twin's `search`: a step, or after the last one the root's test.
+// One turn of the twin's `search`: a step, and after the last one the root's test, of open searches in a turn of its own.
 fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>, roots: ptr<function, NetRoots>) {
     let unique = (*search).kind == UNIQUE;
     let is_open = (*search).kind == OPEN;
@@ -163,7 +163,7 @@ fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>, roots: ptr<f
     if (*search).converged || (*search).steps == limit {
         (*search).goes_on = false;
         if is_within((*search).uv, at.domain, 0.5) {
-            add_search(jet, at, *search, roots);
+            add_search(jet, at, *search, vec2<f32>(0.0), roots);
         }
         return;
     }
@@ -192,15 +192,22 @@ fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>, roots: ptr<f
     if is_open && (*search).goes_on && !(*search).converged && (*search).steps == limit {
         (*search).uv = (*search).base;
     }
+    if !is_open && (*search).goes_on && (*search).converged {
+        (*search).goes_on = false;
+        if is_within((*search).uv, at.domain, 0.5) {
+            add_search(jet, at, *search, (*search).uv - (*search).base, roots);
+        }
+    }
 }
 
 // What the twin's `search` does with where it ends.
-fn add_search(jet: NetJet, at: LeafRay, search: Search, roots: ptr<function, NetRoots>) {
+fn add_search(jet: NetJet, at: LeafRay, search: Search, moved: vec2<f32>, roots: ptr<function, NetRoots>) {
     let uv = search.uv;
     let scale = 1.0 / jet.value.w;
-    let from_origin = jet.value.xyz * scale;
-    let s_u = (jet.by_u.xyz - from_origin * jet.by_u.w) * scale;
-    let s_v = (jet.by_v.xyz - from_origin * jet.by_v.w) * scale;
+    let point = jet.value.xyz * scale;
+    let s_u = (jet.by_u.xyz - point * jet.by_u.w) * scale;
+    let s_v = (jet.by_v.xyz - point * jet.by_v.w) * scale;
+    let from_origin = point + s_u * moved.x + s_v * moved.y;
     let curvature = root_curvature(s_u * at.domain.size.x, s_v * at.domain.size.y, leaf_bend(at.leaf));
     var print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, curvature, at.slack);
     let is_v = at.pole.axis == 1u;

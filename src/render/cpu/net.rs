@@ -223,7 +223,8 @@ fn search<T: Kernel>(
     let stop = T::EPSILON.sqrt() * at.newton_stop;
     let small = if unique { stop } else { stop * number(1.0 / 64.0) };
     let limit = if unique { MAX_UNIQUE_STEPS } else { T::TANGENT_STEPS };
-    let mut converged = false;
+    // What the net has where the last step was taken from, once steps are small.
+    let mut landed: Option<NetJet<T>> = None;
     // The lowest point so far, what the planes have there, and the share of the damping.
     let (mut base, mut low, mut share) = (uv, [[T::ZERO; 2]; 3], T::ONE);
     for turn in 0..limit {
@@ -247,19 +248,24 @@ fn search<T: Kernel>(
             return;
         }
         if longest <= small {
-            converged = true;
+            landed = Some(jet);
             break;
         }
     }
+    let converged = landed.is_some();
     if is_open && !converged {
         uv = base;
     }
     if !is_within(uv, domain, number(0.5)) {
         return;
     }
-    let jet = net_jet(scene, net, ray.origin, uv);
-    let (from_origin, tangents) = point_and_tangents(&jet);
+    // A certain search's last step is so small that the surface is flat under it: by √ε of the leaf at most, it leaves ε.
+    let last = landed.filter(|_| !is_open);
+    let moved = if last.is_some() { [uv[0] - base[0], uv[1] - base[1]] } else { [T::ZERO; 2] };
+    let jet = last.unwrap_or_else(|| net_jet(scene, net, ray.origin, uv));
+    let (point, tangents) = point_and_tangents(&jet);
     let [s_u, s_v] = tangents.map(|tangent| tangent * (T::ONE / jet.value[3]));
+    let from_origin = point + s_u * moved[0] + s_v * moved[1];
     let curvature = root_curvature(s_u * domain.size[0], s_v * domain.size[1], bend);
     let mut footprint = footprint(ray.direction, sides(ray.direction), s_u, s_v, curvature, *slack);
     let axis = at.pole.axis;
