@@ -2,7 +2,8 @@
 
 const OUTSIDE: u32 = 0u;
 const BORDER: u32 = 1u;
-const INSIDE: u32 = 2u;
+const NEAR: u32 = 2u;
+const INSIDE: u32 = 3u;
 
 fn to_window(parameter: f32, period: f32) -> f32 {
     if !(period > 0.0) {
@@ -26,6 +27,7 @@ fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
     let period = faces[face].period;
     let is_near_end = any(at < reach) || any(at > 1.0 - reach);
     var uv = at;
+    var is_center_inside = false;
     for (var side = 0u; side < 5u; side++) {
         if side > 0u {
             let beside = place(print, at, side - 1u);
@@ -33,17 +35,19 @@ fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
         }
         let point = trim_point(faces[face].trim_root, clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), select(vec2<f32>(-1.0), half_box, side == 0u));
         let is_inside = point.inside && all(uv >= -margin) && all(uv <= 1.0 + margin);
-        if side == 0u && !(point.is_near || is_near_end) {
-            return select(OUTSIDE, INSIDE, is_inside);
-        }
-        if is_inside {
+        if side == 0u {
+            if !(point.is_near || is_near_end) {
+                return select(OUTSIDE, INSIDE, is_inside);
+            }
+            if (faces[face].flags & ALONE) != 0u {
+                return select(OUTSIDE, BORDER, is_inside);
+            }
+            is_center_inside = is_inside;
+        } else if is_inside != is_center_inside {
             return BORDER;
         }
-        if (faces[face].flags & ALONE) != 0u {
-            return OUTSIDE;
-        }
     }
-    return OUTSIDE;
+    return select(OUTSIDE, NEAR, is_center_inside);
 }
 
 fn window_margin(low: f32, scale: f32) -> f32 {

@@ -8,7 +8,8 @@ struct RawHit {
     face: u32,
     net: u32,
     uv: vec2<f32>,
-    is_certain: bool,
+    // The twin's Certainty.
+    certainty: u32,
 }
 
 struct Collected {
@@ -105,8 +106,8 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         );
         let covered = cover(index, uv, margin, print);
         if covered != OUTSIDE {
-            let is_certain = covered == INSIDE && !print.is_grazing;
-            accept(collected, RawHit(distance, instance, index, NO_NET, uv, is_certain));
+            let certainty = certainty_of(covered, print.is_grazing);
+            accept(collected, RawHit(distance, instance, index, NO_NET, uv, certainty));
         }
     }
 }
@@ -125,10 +126,14 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         }
         let covered = leaf_cover(index, domain, root);
         if covered != OUTSIDE {
-            let is_certain = covered == INSIDE && !root.footprint.is_grazing && !roots.is_cut;
-            accept(collected, RawHit(distance, instance, face, net, root.uv, is_certain));
+            let certainty = select(certainty_of(covered, root.footprint.is_grazing), NEAR_BORDER, roots.is_cut);
+            accept(collected, RawHit(distance, instance, face, net, root.uv, certainty));
         }
     }
+}
+
+fn certainty_of(covered: u32, is_grazing: bool) -> u32 {
+    return select(select(NEAR_BORDER, OWN, covered >= NEAR), CERTAIN, covered == INSIDE && !is_grazing);
 }
 
 fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot) -> u32 {

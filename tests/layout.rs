@@ -174,7 +174,7 @@ fn kernels_validate() {
 
 /// What only the shaders need: tests that the twin writes in place, loops of the twin that are one loop here, reads of arrays by index, and
 /// what WGSL's built-ins do not give; and what keeps vectors out of memory.
-const WITHOUT_TWIN: [&str; 20] = [
+const WITHOUT_TWIN: [&str; 21] = [
     "advance",
     "add_search",
     "search_from",
@@ -190,6 +190,7 @@ const WITHOUT_TWIN: [&str; 20] = [
     "count_along",
     "with_count_along",
     "no_roots",
+    "certainty_of",
     "next_root",
     "bvh_node",
     "cubic_basis",

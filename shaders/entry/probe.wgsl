@@ -23,7 +23,7 @@ struct ProbeHit {
     instance: u32,
     face: u32,
     net: u32,
-    is_certain: u32,
+    certainty: u32,
 }
 
 @group(1) @binding(0) var<uniform> parameters: ProbeParameters;
@@ -45,7 +45,7 @@ fn accept(collected: ptr<function, Collected>, hit: RawHit) {
     if (*collected).count < (*collected).slots {
         let distance = vec2<f32>(hit.distance.anchor, hit.distance.offset);
         hits[(*collected).first_slot + (*collected).count] =
-            ProbeHit(distance, hit.uv, hit.instance, hit.face, hit.net, u32(hit.is_certain));
+            ProbeHit(distance, hit.uv, hit.instance, hit.face, hit.net, hit.certainty);
     }
     (*collected).count += 1u;
 }

@@ -53,7 +53,8 @@ pub fn settle<T: Kernel>(
     if prepared.starts_outside && !is_cut {
         for body in odd_bodies(scene, crossings.iter().map(|c| body_of(scene, &c.hit))) {
             if let Some(others) = beside(scene, search, prepared, body, &crossings) {
-                crossings.retain(|crossing| body_of(scene, &crossing.hit) != body || crossing.hit.is_certain);
+                crossings
+                    .retain(|crossing| body_of(scene, &crossing.hit) != body || crossing.hit.is_certain());
                 crossings.extend(others);
                 crossings.sort_by(|a, b| a.hit.distance.to_f64().total_cmp(&b.hit.distance.to_f64()));
                 is_beside = true;
@@ -77,7 +78,7 @@ fn beside<T: Kernel>(
     let [first, second] = sides(prepared.ray.direction);
     let radius = scene_radius(scene.header);
     let is_of_body = |crossing: &Crossing<T>| body_of(scene, &crossing.hit) == body;
-    let certain: Vec<&Crossing<T>> = own.iter().filter(|c| is_of_body(c) && c.hit.is_certain).collect();
+    let certain: Vec<&Crossing<T>> = own.iter().filter(|c| is_of_body(c) && c.hit.is_certain()).collect();
     for distance in DISTANCES {
         for side in [first, -first, second, -second] {
             let moved = moved(prepared, side * number(distance * radius));

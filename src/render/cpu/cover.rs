@@ -13,6 +13,8 @@ pub enum Cover {
     Outside,
     /// A hit, as near to the border as the slack.
     Border,
+    /// A hit, and so are the places around it, as far as the slack; the border may still be near.
+    Near,
     /// A hit, whatever the errors.
     Inside,
 }
@@ -64,7 +66,12 @@ pub fn cover<T: Real>(
         in_window(place) && trim_inside(scene, face.trim_root, clamped(place))
     };
     let is_alone = face.flags & Face::ALONE != 0;
-    if is_inside || !is_alone && (0..4).any(belongs) { Cover::Border } else { Cover::Outside }
+    match is_inside {
+        true if !is_alone && (0..4).all(belongs) => Cover::Near,
+        true => Cover::Border,
+        false if !is_alone && (0..4).any(belongs) => Cover::Border,
+        false => Cover::Outside,
+    }
 }
 
 /// What four roundings of `low · scale`, which a normalised parameter was measured from, make of it.

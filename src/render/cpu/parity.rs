@@ -7,7 +7,7 @@
 use super::Kernel;
 use super::footprint::GRAZING;
 use super::hit::{body_of, world_slack};
-use super::trace::RawHit;
+use super::trace::{Certainty, RawHit};
 use super::vector::number;
 use crate::scene::Scene;
 use smallvec::SmallVec;
@@ -30,7 +30,7 @@ pub fn consistent<T: Kernel>(
     starts_outside: bool,
     crossings: Vec<Crossing<T>>,
 ) -> Vec<Crossing<T>> {
-    if crossings.iter().all(|crossing| crossing.hit.is_certain) {
+    if crossings.iter().all(|crossing| crossing.hit.is_certain()) {
         return crossings;
     }
     let body = |index: usize| body_of(scene, &crossings[index].hit);
@@ -97,7 +97,7 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
         let before = left_out;
         let mut choice = [None; DEEPEST + 1];
         for depth in 0..=deepest {
-            left_out[depth] = if hit.is_certain { NEVER } else { before[depth].saturating_add(1) };
+            left_out[depth] = if hit.is_certain() { NEVER } else { before[depth].saturating_add(1) };
             let outer = depth.checked_sub(1).filter(|_| enters || is_sideways);
             let inner = Some(depth + 1).filter(|&inner| inner <= deepest && (!enters || is_sideways));
             for from in [outer, inner].into_iter().flatten() {
@@ -123,7 +123,8 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
     Some(stays)
 }
 
-/// Where nothing is known of inside and outside: of hits at one place and from one side the certain ones, or one where none is.
+/// Where nothing is known of inside and outside: of hits at one place and from one side the certain ones and those of other faces without a border there, or
+/// one where there is none.
 fn without_overlaps<T: Kernel>(scene: &Scene<'_>, crossings: &[Crossing<T>]) -> Vec<bool> {
     one_of_each(crossings, |crossing| world_slack(scene, &crossing.hit))
 }
@@ -147,19 +148,24 @@ fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>
             let reach = (slacks[index] + slacks[before]) * number(2.0);
             let steepness = own.facing.abs().min(other.facing.abs()).max(number(GRAZING));
             let is_same = (own.facing < T::ZERO) == (other.facing < T::ZERO) && apart * steepness <= reach;
-            if !is_same || own.hit.is_certain && other.hit.is_certain {
+            if !is_same {
                 continue;
             }
-            if own.hit.is_certain {
-                stays[before] = false;
-            } else {
+            // Where faces overlap there is a border of that whose hit goes.
+            let may_go = |one: &RawHit<T>, other: &RawHit<T>| match one.certainty {
+                Certainty::Certain => false,
+                Certainty::Own => one.face == other.face && one.instance == other.instance,
+                Certainty::Border => true,
+            };
+            if may_go(&own.hit, &other.hit) {
                 stays[index] = false;
                 break;
             }
+            if may_go(&other.hit, &own.hit) {
+                stays[before] = false;
+            }
         }
-        if own.hit.is_certain {
-            staying.retain(|&before| stays[before]);
-        }
+        staying.retain(|&before| stays[before]);
         if stays[index] {
             staying.push(index);
         }
@@ -174,8 +180,9 @@ mod tests {
 
     /// A hit that enters (−1) or leaves (1), certain or not.
     fn crossing(facing: f32, is_certain: bool) -> Crossing<f32> {
+        let certainty = if is_certain { Certainty::Certain } else { Certainty::Border };
         let distance = Distance { anchor: 0.0, offset: 0.0 };
-        let hit = RawHit { distance, instance: 0, face: 0, net: 0, uv: [0.0; 2], is_certain };
+        let hit = RawHit { distance, instance: 0, face: 0, net: 0, uv: [0.0; 2], certainty };
         Crossing { hit, facing }
     }
 
@@ -224,6 +231,23 @@ mod tests {
         );
         assert_eq!(stays(&[(-1.0, false), (-1.0, true), (-1.0, false)]), [false, true, false]);
         assert_eq!(stays(&[(-1.0, true), (-1.0, true)]), [true, true]);
+    }
+
+    #[test]
+    fn a_hit_without_a_border_is_no_other_face_s() {
+        let of = |face: u32, certainty: Certainty| {
+            let mut own = crossing(-0.4, true);
+            (own.hit.face, own.hit.certainty) = (face, certainty);
+            own
+        };
+        let stays = |crossings: &[Crossing<f32>]| one_of_each(crossings, |_| 1e-6);
+        let (certain, inside, border) = (Certainty::Certain, Certainty::Own, Certainty::Border);
+        assert_eq!(stays(&[of(0, certain), of(1, inside)]), [true, true]);
+        assert_eq!(stays(&[of(0, inside), of(1, certain)]), [true, true]);
+        assert_eq!(stays(&[of(0, certain), of(0, inside)]), [true, false]);
+        assert_eq!(stays(&[of(0, inside), of(0, inside)]), [true, false]);
+        assert_eq!(stays(&[of(0, border), of(1, inside)]), [false, true]);
+        assert_eq!(stays(&[of(1, inside), of(0, border)]), [true, false]);
     }
 
     #[test]

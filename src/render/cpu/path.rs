@@ -19,7 +19,7 @@ use super::ray_space::{Distance, WorldRay, place, scene_radius};
 use super::section::{NO_PLANE, first_seen, hatch, section_plane, to_pair};
 use super::shade::{Shading, hit_material, leave_surface, surface_offset, visible_normal};
 use super::sobol::sample_pair;
-use super::trace::RawHit;
+use super::trace::{Certainty, RawHit};
 use super::vector::Vector3;
 use crate::render::{Camera, PathOptions};
 use crate::scene::Header;
@@ -450,7 +450,7 @@ fn catch_shadow(
         face: 0,
         net: 0,
         uv: [0.0; 2],
-        is_certain: true,
+        certainty: Certainty::Certain,
     };
     leave(paths, state, ray, &hit, ground.up);
     state.asked = shown.map(|light| -light * share);

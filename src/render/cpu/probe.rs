@@ -5,7 +5,7 @@ use super::footprint::{LONGEST, same_place};
 use super::hit::{finish_hit, hit_normal, world_slack};
 use super::parity::{Crossing, consistent};
 use super::ray_space::{Distance, PreparedRay, prepare};
-use super::trace::{RawHit, first_hit, trace};
+use super::trace::{Certainty, RawHit, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, NO_NET, Precision};
 use crate::render::{Exactness, Hit, NetSearch, Ray};
@@ -86,7 +86,7 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_o
     let hits = if first_only {
         let first = first_hit(scene, search, &prepared.ray, prepared.near);
         match first {
-            Some(first) if !first.is_certain => {
+            Some(first) if !first.is_certain() => {
                 let met = met_hits(scene, search, &prepared);
                 // Of more hits than are kept the first may be missing.
                 let is_cut = met.len() == MAX_HITS;
@@ -123,7 +123,7 @@ pub fn met_hits<T: Kernel>(
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
     if hits.len() == MAX_HITS {
-        hits.iter_mut().for_each(|hit| hit.is_certain = false);
+        hits.iter_mut().for_each(|hit| hit.certainty = Certainty::Border);
     }
     hits
 }
@@ -163,7 +163,7 @@ pub fn places<T: Kernel>(
         match open.iter().rev().copied().find(|&k| is_same(&last[k])) {
             Some(place) => {
                 last[place] = own;
-                if hit.is_certain && !kept[place].hit.is_certain {
+                if hit.is_certain() && !kept[place].hit.is_certain() {
                     kept[place] = own;
                 }
             }

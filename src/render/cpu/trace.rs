@@ -28,12 +28,41 @@ pub struct RawHit<T> {
     pub net: u32,
     /// Normalised face parameters; for nets local parameters of the net.
     pub uv: [T; 2],
-    /// Whether it is a hit whatever the errors: neither near a tangent nor near the face's border.
-    pub is_certain: bool,
+    /// How sure it is.
+    pub certainty: Certainty,
+}
+
+/// How sure it is that a hit is one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Certainty {
+    /// Whatever the errors: neither near a tangent nor near the face's border.
+    Certain,
+    /// The ray is near a tangent, or not far from the face's border, but passes the face inside: it may be none, but no neighbour's hit is the same.
+    Own,
+    /// The face's border is as near as its slack, or the search was cut short.
+    Border,
+}
+
+impl Certainty {
+    fn of(cover: Cover, is_grazing: bool) -> Self {
+        match (cover, is_grazing) {
+            (Cover::Inside, false) => Self::Certain,
+            (Cover::Inside | Cover::Near, _) => Self::Own,
+            (Cover::Border | Cover::Outside, _) => Self::Border,
+        }
+    }
+}
+
+impl<T> RawHit<T> {
+    /// Whether it is a hit whatever the errors.
+    pub fn is_certain(&self) -> bool {
+        self.certainty == Certainty::Certain
+    }
 }
 
 /// The first hit after `near` of faces as wide as their slack, whatever their bodies can have: past an edge it may be one that is left out of all hits.
-/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks `is_certain`. Of equally near hits that of the lowest face,
+/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks for its certainty. Of equally near hits that of the lowest face,
 /// net and instance, whatever the order of the walk.
 pub fn first_hit<T: Kernel>(
     scene: &Scene<'_>,
@@ -169,8 +198,8 @@ fn trace_face<T: Kernel>(
         let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
         let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint);
         if cover != Cover::Outside {
-            let is_certain = cover == Cover::Inside && !footprint.is_grazing;
-            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain })?;
+            let certainty = Certainty::of(cover, footprint.is_grazing);
+            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
         }
     }
     Some(far)
@@ -203,15 +232,10 @@ fn trace_leaf<T: Kernel>(
         }
         let cover = leaf_cover(scene, leaf, net, face, &root);
         if cover != Cover::Outside {
-            let is_certain = cover == Cover::Inside && !root.footprint.is_grazing && !roots.is_cut;
-            far = accept(RawHit {
-                distance,
-                instance,
-                face: net.face,
-                net: leaf.net,
-                uv: root.uv,
-                is_certain,
-            })?;
+            let found = Certainty::of(cover, root.footprint.is_grazing);
+            let certainty = if roots.is_cut { Certainty::Border } else { found };
+            far =
+                accept(RawHit { distance, instance, face: net.face, net: leaf.net, uv: root.uv, certainty })?;
         }
     }
     Some(far)

@@ -7,6 +7,7 @@
 
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
+use crate::render::cpu::trace::Certainty;
 use crate::render::cpu::{bsdf, light, path, pixels, section, shade};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::render::section::MAX_PLANES;
@@ -221,7 +222,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 58] = [
+    let words: [(&str, u32); 61] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
@@ -259,6 +260,9 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("DONE", path::DONE),
         ("MAX_PASSED", path::MAX_PASSED),
         ("SURE_BOUNCES", path::SURE_BOUNCES),
+        ("CERTAIN", Certainty::Certain as u32),
+        ("OWN", Certainty::Own as u32),
+        ("NEAR_BORDER", Certainty::Border as u32),
         ("STACK_SIZE", MAX_TREE_DEPTH as u32),
         ("FAST", Exactness::Fast as u32),
         ("BALANCED", Exactness::Balanced as u32),

@@ -9,7 +9,7 @@ use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::{consistent_hits, settled};
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
-use crate::render::cpu::trace::RawHit;
+use crate::render::cpu::trace::{Certainty, RawHit};
 use crate::render::cpu::{self, NO_NET};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
@@ -52,7 +52,7 @@ pub struct ProbeHit {
     instance: u32,
     face: u32,
     net: u32,
-    is_certain: u32,
+    certainty: u32,
 }
 
 /// What is asked of all rays.
@@ -204,12 +204,12 @@ impl Gpu {
                 continue;
             }
             let mut raw = kept.iter().map(|hit| raw_hit(hit, &scene.scene)).collect::<Result<Vec<_>, _>>()?;
-            if wanted.first_only && raw.iter().any(|hit| !hit.is_certain) {
+            if wanted.first_only && raw.iter().any(|hit| !hit.is_certain()) {
                 answers.uncertain.push(ray.index);
                 continue;
             }
             if count > ray.slots {
-                raw.iter_mut().for_each(|hit| hit.is_certain = false);
+                raw.iter_mut().for_each(|hit| hit.certainty = Certainty::Border);
             }
             met.push((*ray, raw));
         }
@@ -309,6 +309,10 @@ fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
         face: hit.face,
         net: hit.net,
         uv: hit.uv,
-        is_certain: hit.is_certain != 0,
+        certainty: match hit.certainty {
+            0 => Certainty::Certain,
+            1 => Certainty::Own,
+            _ => Certainty::Border,
+        },
     })
 }

@@ -21,7 +21,7 @@ use super::cpu::parity::odd_bodies;
 use super::cpu::ray_space::{
     Distance, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
 };
-use super::cpu::trace::{RawHit, face_parameters};
+use super::cpu::trace::{Certainty, RawHit, face_parameters};
 use super::cpu::trim::trim_inside;
 use super::cpu::vector::Vector3;
 use super::{Hit, Ray};
@@ -200,7 +200,14 @@ impl<'a> Reference<'a> {
             }
             if is_inside {
                 let distance = Distance { anchor: ray.anchor, offset: roots.t[i] };
-                let raw = RawHit { distance, instance, face: index, net: NO_NET, uv, is_certain: true };
+                let raw = RawHit {
+                    distance,
+                    instance,
+                    face: index,
+                    net: NO_NET,
+                    uv,
+                    certainty: Certainty::Certain,
+                };
                 let (facing, front) = (normal.abs(), normal < 0.0);
                 let lengths = [0, 1].map(|k| lengths[k] / face.uv_scale[k].abs());
                 found.push(Candidate { raw, size, facing, lengths, front, on_border: false });
@@ -258,7 +265,14 @@ impl<'a> Reference<'a> {
                 let t = from_origin.dot(direction) / ray.direction.to_f64().length();
                 let distance = Distance { anchor: ray.anchor, offset: t };
                 let near_end = |k: usize| uv[k] < margins[k] || uv[k] > 1.0 - margins[k];
-                let raw = RawHit { distance, instance, face: net.face, net: index, uv, is_certain: true };
+                let raw = RawHit {
+                    distance,
+                    instance,
+                    face: net.face,
+                    net: index,
+                    uv,
+                    certainty: Certainty::Certain,
+                };
                 let (facing, front, on_border) = (normal.abs(), normal < 0.0, near_end(0) || near_end(1));
                 let lengths = [0, 1].map(|k| [by_u, by_v][k].length() / f64::from(net.uv_size[k]));
                 found.push(Candidate { raw, size, facing, lengths, front, on_border });
