@@ -22,7 +22,7 @@ fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     if kind == 5u {
         inside = inside != flips(root, (word >> 26u) & 3u, word & MAX_SEGMENT, uv, extent, &is_near);
     } else if kind == 6u {
-        let head_at = root + (word & MAX_OFFSET);
+        let head_at = beyond_cells(root) + (word & MAX_OFFSET);
         let head = trim_nodes[head_at];
         inside = (head >> 31u) == 1u;
         let end = head_at + (head & 0x7fffffffu);
@@ -36,6 +36,26 @@ fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     return TrimPoint(inside, is_near);
 }
 
+// The word after the cells, from which offsets count.
+fn beyond_cells(root: u32) -> u32 {
+    let grid = trim_nodes[root];
+    let cells = 1u << ((grid & 15u) + ((grid >> 4u) & 15u));
+    return root + HEADER_WORDS + select(cells, (cells + 1u) / 2u, (grid & SHORT) != 0u);
+}
+
+fn cell_word(root: u32, grid: u32, index: u32) -> u32 {
+    let cells = root + HEADER_WORDS;
+    if (grid & SHORT) == 0u {
+        return trim_nodes[cells + index];
+    }
+    return lengthen((trim_nodes[cells + index / 2u] >> (16u * (index & 1u))) & 0xffffu);
+}
+
+fn lengthen(short: u32) -> u32 {
+    let kind = 0x80000000u | ((short >> 14u) << 29u);
+    return kind | select(short & MAX_SHORT_OFFSET, ((short & 0x3800u) << 15u) | (short & MAX_SHORT_SEGMENT), short < 0x8000u);
+}
+
 fn trim_cell(root: u32, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<function, bool>) -> u32 {
     let grid = trim_nodes[root];
     let levels = vec2<u32>(grid & 15u, (grid >> 4u) & 15u);
@@ -46,11 +66,11 @@ fn trim_cell(root: u32, uv: vec2<f32>, extent: vec2<f32>, is_near: ptr<function,
     let within = scaled - vec2<f32>(index);
     let reach = extent * scale;
     *is_near |= any(within <= reach) || any(1.0 - within <= reach);
-    var word = trim_nodes[root + HEADER_WORDS + ((index.y << levels.x) | index.x)];
+    var word = cell_word(root, grid, (index.y << levels.x) | index.x);
     if (word >> 29u) != 7u {
         return word;
     }
-    var at = root + (word & MAX_OFFSET);
+    var at = beyond_cells(root) + (word & MAX_OFFSET);
     word = trim_nodes[at];
     for (var level = 0u; level < MAX_LEVELS && (word >> 31u) == 0u; level++) {
         let axis = (word >> 30u) & 1u;

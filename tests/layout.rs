@@ -205,7 +205,8 @@ fn functions_have_twins() {
     let read =
         |stem: &str| std::fs::read_to_string(folder.join(stem).with_extension("rs")).unwrap_or_default();
     // Unpacking functions stand beside the records.
-    let mut rust = std::fs::read_to_string(folder.join("../../scene/layout.rs")).unwrap();
+    let scene = |name: &str| std::fs::read_to_string(folder.join("../../scene").join(name)).unwrap();
+    let mut rust = scene("layout.rs") + &scene("trim.rs");
     for entry in std::fs::read_dir(&folder).unwrap() {
         rust.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
     }

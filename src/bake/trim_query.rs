@@ -4,7 +4,9 @@ use super::region::parameter_at;
 use super::trim_tree::TrimTree;
 use crate::geometry::{Homogeneous, Homogeneous2};
 use crate::scene::TrimSegment;
-use crate::scene::trim_word::{FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack};
+use crate::scene::trim_word::{
+    self, FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_levels, position, unpack,
+};
 
 /// The state of `point`, normalised and in [0, 1]².
 pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
@@ -12,8 +14,9 @@ pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
         TrimWord::Uniform { inside } => inside,
         TrimWord::One { corner, toggles, segment } => corner ^ flips(tree, toggles, segment, point),
         TrimWord::List { offset } => {
-            let head = tree.words[offset as usize];
-            let entries = &tree.words[offset as usize + 1..][..(head & !(1 << 31)) as usize];
+            let at = beyond_cells(&tree.words) + offset as usize;
+            let head = tree.words[at];
+            let entries = &tree.words[at + 1..][..(head & !(1 << 31)) as usize];
             entries.iter().fold(head >> 31 == 1, |state, entry| {
                 state ^ flips(tree, entry >> 30, entry & MAX_SEGMENT, point)
             })
@@ -22,15 +25,20 @@ pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
     }
 }
 
+fn beyond_cells(words: &[u32]) -> usize {
+    HEADER_WORDS + trim_word::cell_words(words[0])
+}
+
 fn cell(words: &[u32], point: [f32; 2]) -> TrimWord {
     let levels = grid_levels(words[0]);
     let index = [0, 1].map(|axis| {
         let cells = 1_u32 << levels[axis];
         ((point[axis] * cells as f32) as u32).min(cells - 1) as usize
     });
-    let word = unpack(words[HEADER_WORDS + (index[1] << levels[0] | index[0])]);
+    let word =
+        unpack(trim_word::cell_word(&words[HEADER_WORDS..], words[0], index[1] << levels[0] | index[0]));
     let TrimWord::Tree { offset } = word else { return word };
-    let mut at = offset as usize;
+    let mut at = beyond_cells(words) + offset as usize;
     loop {
         let TrimWord::Inner { axis, plane, right } = unpack(words[at]) else { return unpack(words[at]) };
         at += match (point[axis as usize] >= position(plane), right == FAR) {

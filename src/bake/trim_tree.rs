@@ -94,6 +94,8 @@ struct Builder<'a> {
     region: &'a Region,
     segments: Segments,
     words: Vec<u32>,
+    /// The word from which offsets count.
+    beyond_cells: usize,
 }
 
 /// Builds the trims of `region`.
@@ -111,12 +113,13 @@ pub(super) fn build(region: &Region, evaluation: Evaluation) -> Result<TrimTree,
     let segments = Segments::new(region, evaluation, |piece| !lies_on_edge(&whole, piece))?;
     let root = Content { cell: whole, pieces: segments.pieces.clone(), inside };
     let levels = grid_levels(&root.pieces);
-    let cells = 1_usize << (levels[0] + levels[1]);
-    let mut words = vec![0; HEADER_WORDS + cells];
+    let beyond_cells = HEADER_WORDS + (1_usize << (levels[0] + levels[1]));
+    let mut words = vec![0; beyond_cells];
     words[0] = trim_word::grid(levels);
-    let mut builder = Builder { region, segments, words };
+    let mut builder = Builder { region, segments, words, beyond_cells };
     builder.fill_grid(root, levels, [0, 0], levels, budget);
-    let Builder { segments, mut words, .. } = builder;
+    let Builder { segments, words, .. } = builder;
+    let mut words = with_short_cells(words, beyond_cells);
     if words.len() > trim_word::MAX_OFFSET as usize {
         return Err(format!("{} trim curves are too many", region.pieces.len()));
     }
@@ -124,13 +127,28 @@ pub(super) fn build(region: &Region, evaluation: Evaluation) -> Result<TrimTree,
     Ok(TrimTree { words, segments, max_degree })
 }
 
-/// log2 of the cells along u and v: about [`CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the most of them without a piece.
+/// The words with short cells, if all of them have a short form.
+fn with_short_cells(words: Vec<u32>, beyond_cells: usize) -> Vec<u32> {
+    let cells = &words[HEADER_WORDS..beyond_cells];
+    if cells.len() < 2 {
+        return words;
+    }
+    let Some(short) = cells.iter().map(|&word| trim_word::shorten(word)).collect::<Option<Vec<u32>>>() else {
+        return words;
+    };
+    let pairs = short.chunks_exact(2).map(|pair| pair[1] << 16 | pair[0]);
+    let header = [words[0] | trim_word::SHORT, words[1]];
+    header.into_iter().chain(pairs).chain(words[beyond_cells..].iter().copied()).collect()
+}
+
+/// log2 of the cells along u and v: about [`SHORT_CELLS_PER_PIECE`] or [`LONG_CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the most of them without a piece.
 fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
     if pieces.is_empty() {
         return [0; 2];
     }
-    let total =
-        ((pieces.len() * CELLS_PER_PIECE) as f32).log2().round().min((2 * MAX_GRID_LEVEL) as f32) as u32;
+    let is_short = pieces.len() <= trim_word::MAX_SHORT_SEGMENT as usize;
+    let per_piece = if is_short { SHORT_CELLS_PER_PIECE } else { LONG_CELLS_PER_PIECE };
+    let total = ((pieces.len() * per_piece) as f32).log2().round().min((2 * MAX_GRID_LEVEL) as f32) as u32;
     let length = |axis| {
         pieces
             .iter()
@@ -149,8 +167,9 @@ fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
     [along_u, total - along_u]
 }
 
-/// Cells of the grid for each piece.
-const CELLS_PER_PIECE: usize = 8;
+/// Cells of the grid for each piece, of half a word where the face has few pieces, else of a word.
+const SHORT_CELLS_PER_PIECE: usize = 16;
+const LONG_CELLS_PER_PIECE: usize = 8;
 
 impl Builder<'_> {
     /// Halves `content` until it is one cell of the grid: `left` counts the halvings to come, `index` is the cell's so far.
@@ -168,7 +187,7 @@ impl Builder<'_> {
             self.words[at] = match self.split_of(&content, MAX_DEPTH, budget) {
                 None => self.leaf(&content),
                 Some(_) => {
-                    let offset = self.words.len() as u32;
+                    let offset = (self.words.len() - self.beyond_cells) as u32;
                     self.emit(content, MAX_DEPTH, budget);
                     trim_word::pack(TrimWord::Tree { offset: offset & trim_word::MAX_OFFSET })
                 }
@@ -254,7 +273,7 @@ impl Builder<'_> {
             [] => trim_word::pack(TrimWord::Uniform { inside: corner }),
             [(toggles, segment)] => trim_word::pack(TrimWord::One { corner, toggles, segment }),
             _ => {
-                let offset = self.words.len() as u32 & trim_word::MAX_OFFSET;
+                let offset = (self.words.len() - self.beyond_cells) as u32 & trim_word::MAX_OFFSET;
                 self.words.push(trim_word::list_head(corner, entries.len() as u32));
                 self.words.extend(
                     entries.iter().map(|&(toggles, segment)| trim_word::list_entry(toggles, segment)),

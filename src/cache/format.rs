@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const MAGIC: [u8; 8] = *b"\x89trmray\n";
 
 /// Changes with every change of a record or of this format.
-pub(super) const VERSION: u32 = 9;
+pub(super) const VERSION: u32 = 10;
 
 /// Reads as another number on a machine of the other byte order.
 pub(super) const ENDIAN_MARK: u32 = 0x0a0b_0c0d;

@@ -5,15 +5,18 @@
 //! levels of the kd-tree of Sloup and Havran (2021), every level of which is a dependent read and an unforeseeable branch.
 //!
 //! ```text
-//! root    word 0: log2 of the number of cells along u [3:0], along v [7:4]
+//! root    word 0: log2 of the number of cells along u [3:0], along v [7:4]; [8]: cells are short
 //!         word 1: first segment of the face in trim_segments
-//!         then the cells, u fastest; then the nodes of trees and the lists; then the curves. Offsets in words count from the root.
+//!         then the cells, u fastest; then the nodes of trees and the lists; then the curves. Offsets in words count from the end of the cells,
+//!         those of curves from the root.
 //! inner   [31] = 0  [30] axis  [29:16] plane in steps of 2⁻¹⁴ of the window  [15:0] words to the right child
 //!         (the left child is the next word; distance 0xffff: the next word holds the distance, the left child follows it)
 //! uniform [31:29] = 100  [28] inside
 //! one     [31:29] = 101  [28] corner  [27:26] toggles  [25:0] segment of the face
 //! list    [31:29] = 110  [28:0] offset of: [31] corner [30:0] count, then a word for each segment: [31:30] toggles [25:0] segment of the face
 //! tree    [31:29] = 111  [28:0] offset of the root of a kd-tree (in the grid only)
+//! short   two cells in a word, the first in the lower half: [15:14] the lower two bits of the kind, then [13] inside or corner [12:11] toggles [10:0] segment,
+//!         or [13:0] offset
 //! curve   f32 bits: (u, v) of each control point; of a rational curve (u w, v w, w) of the inner ones, and weights of 1 at the ends
 //! ```
 //! A point goes to the cell that it lies in, upper borders excluded but for the window's own, and in a tree left where its coordinate is below the plane.
@@ -150,6 +153,12 @@ pub mod trim_word {
     pub const MAX_SEGMENT: u32 = (1 << 26) - 1;
     /// The greatest offset of a list or a tree.
     pub const MAX_OFFSET: u32 = (1 << 29) - 1;
+    /// The bit of a root's first word that says that its cells are short.
+    pub const SHORT: u32 = 1 << 8;
+    /// The greatest number of a face's segment in a short cell.
+    pub const MAX_SHORT_SEGMENT: u32 = (1 << 11) - 1;
+    /// The greatest offset of a list or a tree in a short cell.
+    pub const MAX_SHORT_OFFSET: u32 = (1 << 14) - 1;
 
     /// An unpacked word.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,12 +188,12 @@ pub mod trim_word {
         },
         /// A cell with a list of segments.
         List {
-            /// From the root.
+            /// From the end of the cells.
             offset: u32,
         },
         /// A cell with a tree of its own.
         Tree {
-            /// From the root.
+            /// From the end of the cells.
             offset: u32,
         },
     }
@@ -238,6 +247,52 @@ pub mod trim_word {
     #[inline(always)]
     pub const fn tree(word: u32) -> Option<u32> {
         if word >= 0b111 << 29 { Some(word & MAX_OFFSET) } else { None }
+    }
+
+    /// The short form of a cell, if it has one.
+    pub const fn shorten(word: u32) -> Option<u32> {
+        let kind = (word >> 29 & 3) << 14;
+        match unpack(word) {
+            TrimWord::Inner { .. } => None,
+            TrimWord::Uniform { inside } => Some(kind | (inside as u32) << 13),
+            TrimWord::One { corner, toggles, segment } if segment <= MAX_SHORT_SEGMENT => {
+                Some(kind | (corner as u32) << 13 | toggles << 11 | segment)
+            }
+            TrimWord::List { offset } | TrimWord::Tree { offset } if offset <= MAX_SHORT_OFFSET => {
+                Some(kind | offset)
+            }
+            _ => None,
+        }
+    }
+
+    /// The word of a short cell.
+    #[inline(always)]
+    pub const fn lengthen(short: u32) -> u32 {
+        let kind = 0b100 << 29 | short >> 14 << 29;
+        let is_segment = short < 0b10 << 14;
+        kind | if is_segment {
+            (short & 0x3800) << 15 | short & MAX_SHORT_SEGMENT
+        } else {
+            short & MAX_SHORT_OFFSET
+        }
+    }
+
+    /// Words that the cells of a root take, by its first word.
+    #[inline(always)]
+    pub const fn cell_words(grid: u32) -> usize {
+        let [along_u, along_v] = grid_levels(grid);
+        let cells = 1_usize << (along_u + along_v);
+        if grid & SHORT != 0 { cells.div_ceil(2) } else { cells }
+    }
+
+    /// The word of a cell, by the first word of the root and its index in `cells`.
+    #[inline(always)]
+    pub const fn cell_word(cells: &[u32], grid: u32, index: usize) -> u32 {
+        if grid & SHORT != 0 {
+            lengthen(cells[index / 2] >> (16 * (index & 1)) & 0xffff)
+        } else {
+            cells[index]
+        }
     }
 
     /// Where a plane stands.
@@ -313,5 +368,23 @@ mod tests {
         ] {
             assert_eq!(unpack(pack(word)), word);
         }
+        for word in [
+            TrimWord::Uniform { inside: true },
+            TrimWord::Uniform { inside: false },
+            TrimWord::One { corner: true, toggles: 3, segment: trim_word::MAX_SHORT_SEGMENT },
+            TrimWord::One { corner: false, toggles: 1, segment: 7 },
+            TrimWord::List { offset: trim_word::MAX_SHORT_OFFSET },
+            TrimWord::Tree { offset: 12 },
+        ] {
+            let short = trim_word::shorten(pack(word)).expect("small numbers");
+            assert!(short < 1 << 16);
+            assert_eq!(unpack(trim_word::lengthen(short)), word);
+        }
+        let long = [
+            TrimWord::One { corner: true, toggles: 0, segment: trim_word::MAX_SHORT_SEGMENT + 1 },
+            TrimWord::List { offset: trim_word::MAX_SHORT_OFFSET + 1 },
+            TrimWord::Inner { axis: 0, plane: 1, right: 2 },
+        ];
+        assert!(long.iter().all(|&word| trim_word::shorten(pack(word)).is_none()));
     }
 }

@@ -57,27 +57,25 @@ struct Root<'a> {
     scene: &'a Scene<'a>,
     root: usize,
     cells: usize,
+    /// The word after the cells, from which offsets count.
+    beyond: usize,
     visited: &'a mut [bool],
 }
 
 impl<'a> Root<'a> {
     /// None where the header or the cells are beyond the array.
     fn new(scene: &'a Scene<'a>, root: usize, visited: &'a mut [bool]) -> Option<Self> {
-        let [along_u, along_v] = grid_levels(*scene.trim_nodes.get(root)?);
+        let grid = *scene.trim_nodes.get(root)?;
+        let [along_u, along_v] = grid_levels(grid);
         let is_grid = along_u.max(along_v) <= trim_word::MAX_GRID_LEVEL;
         let cells = is_grid.then(|| 1_usize << (along_u + along_v))?;
-        (root + trim_word::HEADER_WORDS + cells <= scene.trim_nodes.len()).then_some(Self {
-            scene,
-            root,
-            cells,
-            visited,
-        })
+        let beyond = root + trim_word::HEADER_WORDS + trim_word::cell_words(grid);
+        (beyond <= scene.trim_nodes.len()).then_some(Self { scene, root, cells, beyond, visited })
     }
 
     /// Whether all that the cells name is there and named once.
     fn check(mut self) -> bool {
-        let cells = self.root + trim_word::HEADER_WORDS;
-        (self.root..cells).all(|at| self.claim(at)) && (cells..cells + self.cells).all(|at| self.cell(at))
+        (self.root..self.beyond).all(|at| self.claim(at)) && (0..self.cells).all(|index| self.cell(index))
     }
 
     /// Whether nobody was at a word before.
@@ -85,13 +83,15 @@ impl<'a> Root<'a> {
         self.visited.get_mut(at).is_some_and(|seen| !std::mem::replace(seen, true))
     }
 
-    fn cell(&mut self, at: usize) -> bool {
-        if !self.claim(at) {
-            return false;
-        }
-        match unpack(self.scene.trim_nodes[at]) {
+    fn cell(&mut self, index: usize) -> bool {
+        let words = self.scene.trim_nodes;
+        match unpack(trim_word::cell_word(
+            &words[self.root + trim_word::HEADER_WORDS..],
+            words[self.root],
+            index,
+        )) {
             TrimWord::Inner { .. } => false,
-            TrimWord::Tree { offset } => self.tree(self.root + offset as usize),
+            TrimWord::Tree { offset } => self.tree(self.beyond + offset as usize),
             leaf => self.leaf(leaf),
         }
     }
@@ -132,7 +132,7 @@ impl<'a> Root<'a> {
         match word {
             TrimWord::One { segment, .. } => self.segment(segment),
             TrimWord::List { offset } => {
-                let at = self.root + offset as usize;
+                let at = self.beyond + offset as usize;
                 if !self.claim(at) {
                     return false;
                 }

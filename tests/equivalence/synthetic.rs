@@ -146,7 +146,7 @@ fn push_hole(scene: &mut SceneBuffers) -> u32 {
     let (center, radii) = ([0.45_f32, 0.55_f32], [0.22_f32, 0.3_f32]);
     let at = |x: f32, y: f32| [center[0] + radii[0] * x, center[1] + radii[1] * y];
     let corner = std::f32::consts::FRAC_1_SQRT_2;
-    let list = trim_word::pack(trim_word::TrimWord::List { offset: 3 });
+    let list = trim_word::pack(trim_word::TrimWord::List { offset: 0 });
     scene.trim_nodes = vec![trim_word::grid([0, 0]), 0, list, trim_word::list_head(true, 4)];
     scene.trim_nodes.extend((0..4).map(|index| trim_word::list_entry(0, index)));
     for (x, y) in [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)] {

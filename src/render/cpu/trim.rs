@@ -9,7 +9,8 @@ use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::BEFORE_ONE;
 use crate::scene::trim_word::{
-    FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, grid_cells, grid_levels, position, tree, uniform, unpack,
+    FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, cell_word, cell_words, grid_cells, grid_levels, position, tree,
+    uniform, unpack,
 };
 use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
@@ -123,7 +124,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
                 corner ^ self.flips(toggles, segment, is_near, counts)
             }
             TrimWord::List { offset } => {
-                let at = self.root + offset as usize;
+                let at = self.beyond_cells() + offset as usize;
                 let head = self.scene.trim_nodes[at];
                 let entries = &self.scene.trim_nodes[at + 1..at + 1 + (head & !(1 << 31)) as usize];
                 entries.iter().fold(head >> 31 == 1, |state, entry| {
@@ -137,11 +138,18 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         }
     }
 
+    /// The word after the cells, from which offsets count.
+    #[inline(always)]
+    fn beyond_cells(&self) -> usize {
+        self.root + HEADER_WORDS + cell_words(self.scene.trim_nodes[self.root])
+    }
+
     /// The word of the cell that the point lies in.
     #[inline(always)]
     fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> u32 {
         let words = self.scene.trim_nodes;
-        let levels = grid_levels(words[self.root]);
+        let grid = words[self.root];
+        let levels = grid_levels(grid);
         let mut index = [0; 2];
         for axis in 0..2 {
             let scale = T::from_f32(grid_cells(levels[axis]));
@@ -156,9 +164,10 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         if COUNT {
             counts.steps += 1;
         }
-        let mut word = words[self.root + HEADER_WORDS + ((index[1] << levels[0]) | index[0]) as usize];
+        let cells = &words[self.root + HEADER_WORDS..];
+        let mut word = cell_word(cells, grid, ((index[1] << levels[0]) | index[0]) as usize);
         let Some(offset) = tree(word) else { return word };
-        let mut at = self.root + offset as usize;
+        let mut at = self.beyond_cells() + offset as usize;
         word = words[at];
         for _ in 0..MAX_LEVELS {
             if COUNT {
@@ -310,7 +319,7 @@ fn band_middle<T: Real>(band: &Band, x: T) -> T {
 mod tests {
     use super::*;
     use crate::scene::SceneBuffers;
-    use crate::scene::trim_word::{grid, list_entry, list_head, pack};
+    use crate::scene::trim_word::{SHORT, grid, list_entry, list_head, pack, shorten};
     use std::f32::consts::FRAC_1_SQRT_2;
 
     const CENTER: f32 = 0.5;
@@ -358,7 +367,7 @@ mod tests {
 
     #[test]
     fn one_cell_holds_a_circle() {
-        let list = pack(TrimWord::List { offset: 3 });
+        let list = pack(TrimWord::List { offset: 0 });
         let entries = [0, 1, 2, 3].map(|segment| list_entry(0, segment));
         assert_is_the_disc(&[&[grid([0, 0]), 0, list, list_head(false, 4)][..], &entries].concat());
     }
@@ -377,7 +386,7 @@ mod tests {
     /// Where two quarters meet in a level tangent, one step of f32 left of their common end: the curve's u is lost in the rounding of its v.
     #[test]
     fn what_lies_at_a_level_end_is_near() {
-        let list = pack(TrimWord::List { offset: 3 });
+        let list = pack(TrimWord::List { offset: 0 });
         let entries = [0, 1, 2, 3].map(|segment| list_entry(0, segment));
         let trim_nodes = [&[grid([0, 0]), 0, list, list_head(false, 4)][..], &entries].concat();
         let mut scene = SceneBuffers { trim_nodes, ..SceneBuffers::default() };
@@ -395,19 +404,22 @@ mod tests {
 
     #[test]
     fn cells_of_a_grid_see_what_leaves_through_their_left_edge() {
-        let [left, right] = [left_half(4), right_half(7)];
+        let [left, right] = [left_half(0), right_half(3)];
         let words = [&[grid([1, 0]), 0, left[0], right[0]][..], &left[1..], &right[1..]].concat();
         assert_is_the_disc(&words);
+        let short = [left[0], right[0]].map(|word| shorten(word).expect("small numbers"));
+        let header = [grid([1, 0]) | SHORT, 0, short[1] << 16 | short[0]];
+        assert_is_the_disc(&[&header[..], &left[1..], &right[1..]].concat());
     }
 
     #[test]
     fn cells_of_a_tree_do_too_at_any_distance() {
         for is_far in [false, true] {
-            let tree = pack(TrimWord::Tree { offset: 3 });
+            let tree = pack(TrimWord::Tree { offset: 0 });
             let inner = |right: u32| pack(TrimWord::Inner { axis: 0, plane: 1 << 13, right });
             let header = [grid([0, 0]), 0, tree];
             let inner = if is_far { vec![inner(FAR), 6] } else { vec![inner(5)] };
-            let at = (header.len() + inner.len()) as u32;
+            let at = inner.len() as u32;
             assert_is_the_disc(&[&header[..], &inner, &left_half(at + 1), &right_half(at + 5)].concat());
         }
     }

@@ -222,7 +222,7 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
-    let words: [(&str, u32); 61] = [
+    let words: [(&str, u32); 64] = [
         ("WORKGROUP_SIZE", lanes),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
@@ -245,6 +245,9 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("FAR", trim_word::FAR),
         ("MAX_SEGMENT", trim_word::MAX_SEGMENT),
         ("MAX_OFFSET", trim_word::MAX_OFFSET),
+        ("SHORT", trim_word::SHORT),
+        ("MAX_SHORT_SEGMENT", trim_word::MAX_SHORT_SEGMENT),
+        ("MAX_SHORT_OFFSET", trim_word::MAX_SHORT_OFFSET),
         ("WIDTH_BIAS", Band::WIDTH_BIAS),
         ("BY_V", Band::BY_V),
         ("INCOMPLETE", INCOMPLETE),
