@@ -286,13 +286,21 @@ pub mod trim_word {
     }
 
     /// The word of a cell, by the first word of the root and its index in `cells`.
+    pub fn cell_word(cells: &[u32], grid: u32, index: usize) -> u32 {
+        if grid & SHORT != 0 { lengthen(short_cell(cells, index)) } else { cells[index] }
+    }
+
+    /// A short cell by its index.
     #[inline(always)]
-    pub const fn cell_word(cells: &[u32], grid: u32, index: usize) -> u32 {
-        if grid & SHORT != 0 {
-            lengthen(cells[index / 2] >> (16 * (index & 1)) & 0xffff)
-        } else {
-            cells[index]
-        }
+    pub fn short_cell(cells: &[u32], index: usize) -> u32 {
+        let halves: &[u16] = bytemuck::cast_slice(cells);
+        halves[if cfg!(target_endian = "big") { index ^ 1 } else { index }].into()
+    }
+
+    /// The state of a short cell without segments.
+    #[inline(always)]
+    pub const fn short_uniform(short: u32) -> Option<bool> {
+        if short < 1 << 14 { Some(short & 1 << 13 != 0) } else { None }
     }
 
     /// Where a plane stands.

@@ -9,8 +9,8 @@ use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::BEFORE_ONE;
 use crate::scene::trim_word::{
-    FAR, HEADER_WORDS, MAX_SEGMENT, TrimWord, cell_word, cell_words, grid_cells, grid_levels, position, tree,
-    uniform, unpack,
+    FAR, HEADER_WORDS, MAX_SEGMENT, SHORT, TrimWord, cell_words, grid_cells, grid_levels, lengthen, position,
+    short_cell, short_uniform, tree, uniform, unpack,
 };
 use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
@@ -103,6 +103,13 @@ fn packed<T: Real, const NEAR: bool, const COUNT: bool>(
     TrimPoint { inside, is_near }
 }
 
+/// A cell: what most are, or the word that [`unpack`] tells the others by.
+enum CellState {
+    /// Without segments, inside or not.
+    Uniform(bool),
+    Other(u32),
+}
+
 /// A point asked of a face's trims.
 struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
     scene: &'a Scene<'a>,
@@ -114,10 +121,10 @@ struct Query<'a, T, const NEAR: bool, const COUNT: bool> {
 impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     #[inline(always)]
     fn inside(&self, is_near: &mut bool, counts: &mut TrimCounts) -> bool {
-        let word = self.trim_cell(is_near, counts);
-        if let Some(inside) = uniform(word) {
-            return inside;
-        }
+        let word = match self.trim_cell(is_near, counts) {
+            CellState::Uniform(inside) => return inside,
+            CellState::Other(word) => word,
+        };
         match unpack(word) {
             TrimWord::Uniform { inside } => inside,
             TrimWord::One { corner, toggles, segment } => {
@@ -144,9 +151,9 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
         self.root + HEADER_WORDS + cell_words(self.scene.trim_nodes[self.root])
     }
 
-    /// The word of the cell that the point lies in.
+    /// What is known of the cell that the point lies in.
     #[inline(always)]
-    fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> u32 {
+    fn trim_cell(&self, is_near: &mut bool, counts: &mut TrimCounts) -> CellState {
         let words = self.scene.trim_nodes;
         let grid = words[self.root];
         let levels = grid_levels(grid);
@@ -165,8 +172,21 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
             counts.steps += 1;
         }
         let cells = &words[self.root + HEADER_WORDS..];
-        let mut word = cell_word(cells, grid, ((index[1] << levels[0]) | index[0]) as usize);
-        let Some(offset) = tree(word) else { return word };
+        let index = ((index[1] << levels[0]) | index[0]) as usize;
+        let mut word;
+        if grid & SHORT != 0 {
+            let short = short_cell(cells, index);
+            if let Some(inside) = short_uniform(short) {
+                return CellState::Uniform(inside);
+            }
+            word = lengthen(short);
+        } else {
+            word = cells[index];
+            if let Some(inside) = uniform(word) {
+                return CellState::Uniform(inside);
+            }
+        }
+        let Some(offset) = tree(word) else { return CellState::Other(word) };
         let mut at = self.beyond_cells() + offset as usize;
         word = words[at];
         for _ in 0..MAX_LEVELS {
@@ -190,7 +210,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
             };
             word = words[at];
         }
-        word
+        CellState::Other(word)
     }
 
     /// Whether a segment of a cell flips the state of the cell's corner; sets `is_near` where it passes the box around the point.
