@@ -84,7 +84,7 @@ pub fn measure_frames<E>(
 }
 
 /// GPUs take tenths of a second of work before they run at their full clock.
-const WARM_UP_SECONDS: f64 = 0.5;
+pub(super) const WARM_UP_SECONDS: f64 = 0.5;
 
 /// The first hits of rays that a device holds, again and again, as a stage of their own.
 ///

@@ -44,7 +44,7 @@ pub(super) struct BenchTrim {
     /// How many runs count, after a third as many that warm up.
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(super) repeat: u16,
-    /// Ask the same queries of the GPU too, transfers included.
+    /// Ask the same queries of the GPU too, whose kernel alone is timed: it holds the queries.
     #[arg(long)]
     pub(super) gpu: bool,
     /// Write all numbers here, as comma-separated values.

@@ -183,7 +183,7 @@ pub(super) fn write_table(out: &mut impl Write, rows: &[Row]) -> io::Result<()> 
 
 /// One file's trims on a GPU.
 pub(super) fn write_device(out: &mut impl Write, name: &str, measured: &[MethodMeasure]) -> io::Result<()> {
-    writeln!(out, "trims alone on {name}, transfers included; answers other than the CPU's")?;
+    writeln!(out, "trims alone on {name}, the kernel without transfers; answers other than the CPU's")?;
     for method in measured {
         write!(out, "{:<14}", method.method.label())?;
         for device in method.sets.iter().filter_map(|set| set.device) {

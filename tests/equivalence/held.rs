@@ -19,7 +19,7 @@ fn held_work_finds_what_other_work_finds() {
     let beside = rays[0].origin * 1e3;
     rays.push(trimray::render::Ray { origin: beside, direction: beside.any_orthogonal_vector() });
     let held = gpu.hold_rays(&on_gpu, &rays, Exactness::default()).unwrap();
-    gpu.run_held(&on_gpu, &held).unwrap();
+    gpu.run_held(&on_gpu, &held, 2).unwrap();
     let found = gpu.count_held(&held).unwrap();
     eprintln!("{}: {found} of {} held rays hit, {expected} others", gpu.name(), held.count());
     assert_eq!(held.count(), 3_000);
@@ -37,7 +37,7 @@ fn held_work_finds_what_other_work_finds() {
     let expected =
         gpu.trim_inside(&on_gpu, &queries).unwrap().into_iter().filter(|&inside| inside).count() as u64;
     let held = gpu.hold_queries(&on_gpu, &queries).unwrap();
-    gpu.run_held(&on_gpu, &held).unwrap();
+    gpu.run_held(&on_gpu, &held, 2).unwrap();
     assert!(expected > 0 && expected < held.count());
     assert_eq!((gpu.count_held(&held).unwrap(), held.count()), (expected, 2_000));
 }

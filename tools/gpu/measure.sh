@@ -5,8 +5,8 @@
 #
 # OUT is a folder for what is measured. TEST_BINARYs are built by `cargo test --release --no-run --test equivalence`; they compare the GPU with the CPU.
 # FILEs are measured beside the fixtures. Nothing is compiled here, so that the machine with the GPU needs neither Rust nor a network.
-# Everything that fails is told, and the rest goes on. RUNS and WARM_UPS (15 and 5, as in Sloup and Havran 2021) and PRIMARY, pixels and rays through each of
-# them ("1920,1080,4 3840,2160,8"), make it shorter.
+# Everything that fails is told, and the rest goes on. RUNS and WARM_UPS (15 and 5, as in Sloup and Havran 2021), PRIMARY, pixels and rays through each of
+# them ("1920,1080,4"), RANDOM, random rays, and PICTURES, the files of which pictures are timed too, make it shorter.
 set -uo pipefail
 out=${1:?a folder for what is measured}
 trimray=${2:?the trimray binary}
@@ -18,10 +18,12 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
 done
 [ $# -gt 0 ] && shift
 cd "$(dirname "$0")/../.." || exit 1
-runs=${RUNS:-15} warm_ups=${WARM_UPS:-5} primary=${PRIMARY:-1920,1080,4 3840,2160,8}
+runs=${RUNS:-15} warm_ups=${WARM_UPS:-5} random=${RANDOM_RAYS:-4000000}
+IFS=, read -r width height samples <<<"${PRIMARY:-1920,1080,4}"
 fixtures=(bearing caster gear mug propeller spring vase)
 models=("${fixtures[@]/#/fixtures/}")
 models=("${models[@]/%//model.step}" "$@")
+read -r -a pictures <<<"${PICTURES:-fixtures/gear/model.step fixtures/mug/model.step}"
 mkdir -p "$out"
 export REQUIRE_GPU=1
 failed=0
@@ -34,24 +36,25 @@ attempt() {
         failed=$((failed + 1))
     fi
 }
+into() {
+    local file=$1
+    shift
+    "$@" >"$file"
+}
 
 attempt "picture" "$trimray" render "${models[0]}" -o "$out/picture.png" --device gpu --no-cache
 for test in "${tests[@]}"; do
     attempt "tests of $(basename "$test")" "$test"
 done
-for load in $primary; do
-    IFS=, read -r width height samples <<<"$load"
-    stages=(bench stages "${models[@]}" --frames --resolution "$width,$height" --rays-per-pixel "$samples" --json)
-    for device in gpu cpu; do
-        # The CPU is there to compare with: a few runs are enough.
-        counts=(--repeat "$runs" --warm-ups "$warm_ups")
-        [ $device = cpu ] && counts=(--repeat 1 --warm-ups 0)
-        file="$out/stages-$device-${width}x$height.jsonl"
-        attempt "stages, $device, $width by $height by $samples" \
-            bash -c '"$@" >"$0"' "$file" "$trimray" "${stages[@]}" --device $device "${counts[@]}"
-    done
+load=(--resolution "$width,$height" --rays-per-pixel "$samples" --rays "$random" --repeat "$runs" --warm-ups "$warm_ups" --json)
+attempt "kernels" into "$out/kernels.jsonl" "$trimray" bench stages "${models[@]}" --frames --kernels --device gpu "${load[@]}"
+attempt "trims" into "$out/trims.txt" "$trimray" bench trim "${models[@]}" --methods 3,4,12,29,30 --gpu --repeat "$runs" --csv "$out/trims.csv"
+for device in gpu cpu; do
+    # The CPU is there to compare with: a few runs are enough.
+    counts=(--repeat 3 --warm-ups 1)
+    [ $device = cpu ] && counts=(--repeat 1 --warm-ups 0)
+    attempt "pictures, $device" into "$out/pictures-$device.jsonl" "$trimray" bench stages "${pictures[@]}" --frames \
+        --resolution "$width,$height" --rays-per-pixel "$samples" --json --device $device "${counts[@]}"
 done
-attempt "trims" bash -c '"$@" >"$0"' "$out/trims.txt" "$trimray" bench trim "${models[@]}" --methods 3,4,12,29,30 --gpu \
-    --repeat "$runs" --csv "$out/trims.csv"
 printf '== done (%d s), %d failed\n' "$SECONDS" "$failed"
 exit $((failed > 0))

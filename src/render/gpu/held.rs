@@ -88,17 +88,17 @@ impl Gpu {
         Ok(HeldWork { pipeline, batches })
     }
 
-    /// Does the work, all batches in one submission, and waits for its end.
+    /// Does the work so many times, all batches in one submission, and waits for its end.
     ///
     /// # Errors
     ///
     /// The device's own.
-    pub fn run_held(&self, scene: &GpuScene<'_>, work: &HeldWork) -> Result<(), GpuError> {
+    pub fn run_held(&self, scene: &GpuScene<'_>, work: &HeldWork, times: usize) -> Result<(), GpuError> {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&work.pipeline);
         pass.set_bind_group(0, &scene.bind_group, &[]);
-        for batch in &work.batches {
+        for batch in (0..times).flat_map(|_| &work.batches) {
             pass.set_bind_group(1, &batch.bind_group, &[]);
             pass.dispatch_workgroups(batch.count.div_ceil(WIDE), 1, 1);
         }
