@@ -66,8 +66,23 @@ fn in_turn<T: Kernel>(crossings: &[Crossing<T>], starts_outside: bool) -> Option
         [false, true].map(|is_turned| Way { starts_outside, outside: 0, deepest, is_turned })
     });
     let unordered = Way { starts_outside, outside: DEEPEST / 2, deepest: DEEPEST, is_turned: false };
-    ordered.chain([unordered]).find_map(|way| fewest_left_out(crossings, &way))
+    let mut best: Option<(u32, Vec<bool>)> = None;
+    for way in ordered.chain([unordered]) {
+        let Some((cost, stays)) = least_left_out(crossings, &way) else { continue };
+        // Borders may go as the way asks, for faces overlap there; hits inside their faces only where no way keeps more of them.
+        let inside = cost / INSIDE_COST;
+        if best.as_ref().is_none_or(|(least, _)| inside < *least) {
+            best = Some((inside, stays));
+        }
+        if inside == 0 {
+            break;
+        }
+    }
+    best.map(|(_, stays)| stays)
 }
+
+/// What it costs to leave out a hit that its face has around it too, where one near a border costs 1: more than all of those.
+const INSIDE_COST: u32 = 1 << 16;
 
 /// What a ray may do.
 #[derive(Debug, Clone, Copy)]
@@ -82,8 +97,9 @@ struct Way {
     is_turned: bool,
 }
 
-/// The search over prefixes: the fewest hits left out of the first ones so that the ray has then entered so many times more than left.
-fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Vec<bool>> {
+/// The search over prefixes: what costs least to be left out of the first ones so that the ray has then entered so many times more than left; the
+/// cost, and which hits stay.
+fn least_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<(u32, Vec<bool>)> {
     const NEVER: u32 = u32::MAX;
     let Way { starts_outside, outside, deepest, is_turned } = *way;
     // By depth, as far as `deepest`.
@@ -97,7 +113,11 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
         let before = left_out;
         let mut choice = [None; DEEPEST + 1];
         for depth in 0..=deepest {
-            left_out[depth] = if hit.is_certain() { NEVER } else { before[depth].saturating_add(1) };
+            left_out[depth] = match hit.certainty {
+                Certainty::Certain => NEVER,
+                Certainty::Own => before[depth].saturating_add(INSIDE_COST),
+                Certainty::Border => before[depth].saturating_add(1),
+            };
             let outer = depth.checked_sub(1).filter(|_| enters || is_sideways);
             let inner = Some(depth + 1).filter(|&inner| inner <= deepest && (!enters || is_sideways));
             for from in [outer, inner].into_iter().flatten() {
@@ -120,7 +140,7 @@ fn fewest_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<Ve
             depth = from;
         }
     }
-    Some(stays)
+    Some((left_out[outside], stays))
 }
 
 /// Where nothing is known of inside and outside: of hits at one place and from one side the certain ones and those of other faces without a border there, or
@@ -215,6 +235,25 @@ mod tests {
         assert_eq!(stays(&late), Some(vec![true; 4]));
         let from_inside = in_turn(&[crossing(1.0, true)], false);
         assert_eq!(from_inside, Some(vec![true]));
+    }
+
+    /// A solid that overlaps itself, where a ray grazes what is inside of it.
+    #[test]
+    fn what_a_face_has_around_it_stays_where_any_way_keeps_it() {
+        let of = |facing: f32, certainty: Certainty| {
+            let mut own = crossing(facing, true);
+            own.hit.certainty = certainty;
+            own
+        };
+        let stays = |inner: Certainty| {
+            let crossings =
+                [(-0.4, Certainty::Certain), (-0.01, inner), (0.01, inner), (0.8, Certainty::Certain)];
+            in_turn(&crossings.map(|(facing, certainty)| of(facing, certainty)), true)
+        };
+        assert_eq!(stays(Certainty::Own), Some(vec![true; 4]));
+        assert_eq!(stays(Certainty::Border), Some(vec![true, false, false, true]));
+        let odd = [of(-0.4, Certainty::Certain), of(-0.3, Certainty::Own), of(0.8, Certainty::Certain)];
+        assert_eq!(in_turn(&odd, true), Some(vec![true, false, true]));
     }
 
     #[test]
