@@ -62,7 +62,7 @@ fn net_degrees(net: u32) -> vec2<u32> {
     return (vec2<u32>(nets[net].degrees) >> vec2<u32>(0u, 8u)) & vec2<u32>(0xffu);
 }
 
-// The same of degrees up to three, which most nets have: without loops, with all points on their way at once.
+// The basis functions, and below the jet, of degrees up to three, which most nets have: without loops, with all points on their way at once.
 struct CubicBasis {
     values: vec4<f32>,
     slopes: vec4<f32>,
@@ -83,19 +83,14 @@ fn cubic_basis(degree: u32, t: f32) -> CubicBasis {
 fn cubic_jet(first: u32, degrees: vec2<u32>, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     let u = cubic_basis(degrees.x, uv.x);
     let v = cubic_basis(degrees.y, uv.y);
-    let column = min(vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.y));
     let row = first + min(vec4<u32>(0u, 1u, 2u, 3u), vec4<u32>(degrees.x)) * (degrees.y + 1u);
-    let a = cubic_row(row.x + column, about);
-    let b = cubic_row(row.y + column, about);
-    let c = cubic_row(row.z + column, about);
-    let d = cubic_row(row.w + column, about);
+    let a = four_points(row.x, 0u, degrees.y, about);
+    let b = four_points(row.y, 0u, degrees.y, about);
+    let c = four_points(row.z, 0u, degrees.y, about);
+    let d = four_points(row.w, 0u, degrees.y, about);
     let values = mat4x4<f32>(a * v.values, b * v.values, c * v.values, d * v.values);
     let across = mat4x4<f32>(a * v.slopes, b * v.slopes, c * v.slopes, d * v.slopes);
     return NetJet(values * u.values, values * u.slopes, across * u.values);
-}
-
-fn cubic_row(index: vec4<u32>, about: vec3<f32>) -> mat4x4<f32> {
-    return mat4x4<f32>(moved_point(index.x, about), moved_point(index.y, about), moved_point(index.z, about), moved_point(index.w, about));
 }
 
 fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {

@@ -167,7 +167,7 @@ fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
     [along_u, total - along_u]
 }
 
-/// Cells of the grid for each piece, of half a word where the face has few pieces, else of a word.
+/// Cells of the grid for each piece: more where the face has few, for then cells take half a word each, but for lists too far from them.
 const SHORT_CELLS_PER_PIECE: usize = 16;
 const LONG_CELLS_PER_PIECE: usize = 8;
 

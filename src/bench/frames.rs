@@ -1,4 +1,4 @@
-//! How long pictures and rays take on a device.
+//! How long pictures and rays take on a device, and the kernels of a GPU alone.
 //!
 //! Pictures are what `render` makes without settings. Rays are counted where each costs the same: through all samples of all pixels with
 //! nothing but lamps, and along chords of the scene's sphere.

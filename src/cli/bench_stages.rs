@@ -164,7 +164,10 @@ fn frames(
     let rays: [(Stage, RayMaker); 2] =
         [(Stage::PrimaryKernel, primary_rays), (Stage::RandomKernel, random_rays)];
     for (stage, make) in rays {
-        let Some(work) = renderer.hold_rays(|| make(&scene, &load))? else { continue };
+        let Some(work) = renderer.hold_rays(|| make(&scene, &load))? else {
+            anyhow::ensure!(!command.kernels, "there is no GPU whose kernels could be timed");
+            continue;
+        };
         measure_kernel(stage, &load, times, || renderer.run_held(&work))?;
         let (rays, hits) = renderer.count_held(&work)?;
         held.insert(stage.name().to_owned(), Held { rays, hits });

@@ -298,7 +298,13 @@ impl<'s> Renderer<'_, '_, 's> {
     /// Traces them once more.
     pub(super) fn run_held(&mut self, work: &HeldRays) -> anyhow::Result<()> {
         #[cfg(feature = "gpu")]
-        self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.run_held(uploaded, work, 1))?;
+        if self
+            .device
+            .on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.run_held(uploaded, work, 1))?
+            .is_none()
+        {
+            anyhow::bail!("the GPU that holds the rays has failed");
+        }
         Ok(())
     }
 

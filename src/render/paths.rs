@@ -19,7 +19,7 @@ const BLOCK: usize = 8;
 /// Samples before the first look at errors, and between looks.
 const PASS: u32 = 16;
 /// Pixels in one call of the CPU tracer.
-pub(super) const MOST_PIXELS: usize = 65_472;
+pub(super) const MOST_PIXELS: usize = 1 << 16;
 /// The luminance below which errors count as they do there: the eye sees no more in black.
 const DARK: f64 = 0.01;
 /// How far the ground is below the model, of the scene's radius: farther than rays start above it.

@@ -6,7 +6,7 @@
 # OUT is a folder for what is measured. TEST_BINARYs are built by `cargo test --release --no-run --test equivalence`; they compare the GPU with the CPU.
 # FILEs are measured beside the fixtures. Nothing is compiled here, so that the machine with the GPU needs neither Rust nor a network.
 # Everything that fails is told, and the rest goes on. RUNS and WARM_UPS (15 and 5, as in Sloup and Havran 2021), PRIMARY, pixels and rays through each of
-# them ("1920,1080,4"), RANDOM, random rays, and PICTURES, the files of which pictures are timed too, make it shorter.
+# them ("1920,1080,4"), RANDOM_RAYS, random rays, and PICTURES, the files of which pictures are timed too, make it shorter.
 set -uo pipefail
 out=${1:?a folder for what is measured}
 trimray=${2:?the trimray binary}

@@ -9,6 +9,8 @@
 //! at a distance e from the middle of 1 at most. `K η < ½` is Kantorovich's condition, under which Newton's method does not fail:
 //! after the first step `½ K e² <= ½ e` is left, and the derivative's inverse has at most doubled. Both are asked for with a tenth to spare.
 //!
+//! Of a cell that is quartered only those quarters are looked at that these inequalities, with the cell's own planes and remainder and the quarter's sides, leave open.
+//!
 //! A leaf has one bound M of the second derivatives by its own parameters, so that `B = M r²` in a square cell of half side r.
 //!
 //! **Poles.** Where a side of the net is one point P, every cell at that side holds P, and quarters of them would be looked at by the hundred. There
@@ -253,5 +255,41 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
         }
     } else {
         Verdict::Search { start: middle, kind: SearchKind::Open, across: T::ONE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NO_POLE: Pole = Pole { axis: 0, exists: false, is_high: false };
+
+    #[test]
+    fn quarters_that_may_hold_a_root_come_in_turn_and_no_others() {
+        // The whole leaf's second and fourth quarter, and of the second its first and third.
+        let second = Cell::default().first_part(NO_POLE, 0b1010);
+        assert_eq!((second.level, second.place), ([1, 1], [1, 0]));
+        let first = second.first_part(NO_POLE, 0b0101);
+        assert_eq!((first.level, first.place), ([2, 2], [2, 0]));
+        let third = first.next_cell(NO_POLE).expect("a quarter");
+        assert_eq!((third.level, third.place), ([2, 2], [2, 1]));
+        let fourth = third.next_cell(NO_POLE).expect("a quarter");
+        assert_eq!((fourth.level, fourth.place), ([1, 1], [1, 1]));
+        assert!(fourth.next_cell(NO_POLE).is_none());
+    }
+
+    #[test]
+    fn all_quarters_fill_the_leaf() {
+        let mut cell = Cell::default();
+        for _ in 0..MAX_ISOLATION_LEVEL {
+            cell = cell.first_part(NO_POLE, 0b1111);
+        }
+        let mut area = 0.0;
+        let mut next = Some(cell);
+        while let Some(cell) = next {
+            area += 0.25_f64.powi(cell.level[0] as i32);
+            next = cell.next_cell(NO_POLE);
+        }
+        assert!((area - 1.0).abs() < 1e-12, "{area}");
     }
 }

@@ -31,7 +31,7 @@ const MAX_UNIQUE_STEPS: u32 = 10;
 const DAMPING_FACTOR: f64 = 8.0;
 
 /// How far from the ray a root may lie, in roundings of its coordinates and in slacks. Where Newton's method has converged the root is there whatever f32 makes
-/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings; elsewhere it has to lie where the face, as wide
+/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings: what is farther away is no number; elsewhere it has to lie where the face, as wide
 /// as its slack, meets the ray, and half of that is for the search's own errors.
 const CONVERGED_MISS: [f64; 2] = [256.0, 4.0];
 const OPEN_MISS: [f64; 2] = [16.0, 0.5];
@@ -259,8 +259,8 @@ fn search<T: Kernel>(
     if !is_within(uv, domain, number(0.5)) {
         return;
     }
-    // A certain search's last step is so small that the surface is flat under it: by √ε of the leaf at most, it leaves ε.
-    let last = landed.filter(|_| !is_open);
+    // A certain search's last step is so small that the surface is flat under it: by √ε of the leaf at most, it leaves ε. A step that may be larger does not.
+    let last = landed.filter(|_| !is_open && at.newton_stop <= T::ONE);
     let moved = if last.is_some() { [uv[0] - base[0], uv[1] - base[1]] } else { [T::ZERO; 2] };
     let jet = last.unwrap_or_else(|| net_jet(scene, net, ray.origin, uv));
     let (point, tangents) = point_and_tangents(&jet);
@@ -290,7 +290,7 @@ fn search<T: Kernel>(
     let t = from_origin.dot(ray.direction) / ray.direction.dot(ray.direction);
     let miss = (from_origin - ray.direction * t).greatest();
     let size = a.greatest() + b.greatest();
-    // A last step leaves its square, and what a net that is larger than its surface rounds, of which the slack knows. What does not converge within
+    // What a net that is larger than its surface rounds the slack knows. What does not converge within
     // the limit, or converges to the place nearest to the ray, is near a tangent or at a pole, and counts as far as roundings and the slack leave it open.
     let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
     let [roundings, slacks] = if converged && !is_open { CONVERGED_MISS } else { OPEN_MISS };

@@ -2,7 +2,7 @@
 //!
 //! Faces are traced as wide as their slack, so that the hits found hold all true ones; where two faces overlap, or a ray grazes an edge outside the body,
 //! there are more. Those are near a border or near a tangent, and known as such. A line leaves a body as often as it enters: of the uncertain
-//! hits the fewest are left out that make it so. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
+//! hits the fewest are left out that make it so, those near a border before others. Certain hits always stay; where they alone contradict, as when a face is missing, so do all.
 
 use super::Kernel;
 use super::footprint::GRAZING;
@@ -59,30 +59,34 @@ pub fn odd_bodies(scene: &Scene<'_>, bodies: impl Iterator<Item = (u32, u32)>) -
 /// Which hits stay so that the ray leaves as often as it enters; `None` where the certain ones do not.
 ///
 /// Enters and leaves in turn, if that can be; else up to [`DEEPEST`] times before it leaves, for some solids overlap themselves or have voids
-/// turned the wrong way. A body whose faces are all turned inside out is as good as another. At last the order does not count: where
+/// turned the wrong way, and where that keeps more of the hits that their faces have around them too. A body whose faces are all turned inside out is as good as another. At last the order does not count: where
 /// the ray grazes a face, that of its hits is not known.
 fn in_turn<T: Kernel>(crossings: &[Crossing<T>], starts_outside: bool) -> Option<Vec<bool>> {
     let ordered = (1..=DEEPEST).flat_map(|deepest| {
         [false, true].map(|is_turned| Way { starts_outside, outside: 0, deepest, is_turned })
     });
     let unordered = Way { starts_outside, outside: DEEPEST / 2, deepest: DEEPEST, is_turned: false };
-    let mut best: Option<(u32, Vec<bool>)> = None;
-    for way in ordered.chain([unordered]) {
-        let Some((cost, stays)) = least_left_out(crossings, &way) else { continue };
-        // Borders may go as the way asks, for faces overlap there; hits inside their faces only where no way keeps more of them.
-        let inside = cost / INSIDE_COST;
-        if best.as_ref().is_none_or(|(least, _)| inside < *least) {
-            best = Some((inside, stays));
-        }
+    let (way, cost, mut stays) = ordered.chain([unordered]).find_map(|way| {
+        let (cost, stays) = least_left_out(crossings, &way)?;
+        Some((way, cost, stays))
+    })?;
+    // Hits near borders may go as the way asks, for faces overlap there; hits inside their faces only where no deeper way keeps more of them.
+    let mut inside = cost / INSIDE_COST;
+    for deepest in way.deepest + 1..=DEEPEST {
         if inside == 0 {
             break;
         }
+        if let Some((cost, deeper)) = least_left_out(crossings, &Way { deepest, ..way })
+            && cost / INSIDE_COST < inside
+        {
+            (inside, stays) = (cost / INSIDE_COST, deeper);
+        }
     }
-    best.map(|(_, stays)| stays)
+    Some(stays)
 }
 
 /// What it costs to leave out a hit that its face has around it too, where one near a border costs 1: more than all of those.
-const INSIDE_COST: u32 = 1 << 16;
+const INSIDE_COST: u64 = 1 << 32;
 
 /// What a ray may do.
 #[derive(Debug, Clone, Copy)]
@@ -99,8 +103,8 @@ struct Way {
 
 /// The search over prefixes: what costs least to be left out of the first ones so that the ray has then entered so many times more than left; the
 /// cost, and which hits stay.
-fn least_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<(u32, Vec<bool>)> {
-    const NEVER: u32 = u32::MAX;
+fn least_left_out<T: Kernel>(crossings: &[Crossing<T>], way: &Way) -> Option<(u64, Vec<bool>)> {
+    const NEVER: u64 = u64::MAX;
     let Way { starts_outside, outside, deepest, is_turned } = *way;
     // By depth, as far as `deepest`.
     let mut left_out = [NEVER; DEEPEST + 1];
@@ -158,6 +162,8 @@ fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>
     let mut staying: Vec<usize> = Vec::with_capacity(crossings.len());
     for index in 0..crossings.len() {
         let own = &crossings[index];
+        // Those that go for this one, if it stays.
+        let mut replaced: SmallVec<[usize; 4]> = SmallVec::new();
         for &before in staying.iter().rev() {
             let other = &crossings[before];
             let apart = own.hit.distance.minus(other.hit.distance);
@@ -182,11 +188,12 @@ fn one_of_each<T: Kernel>(crossings: &[Crossing<T>], slack: impl Fn(&Crossing<T>
                 break;
             }
             if may_go(&other.hit, &own.hit) {
-                stays[before] = false;
+                replaced.push(before);
             }
         }
-        staying.retain(|&before| stays[before]);
         if stays[index] {
+            replaced.into_iter().for_each(|before| stays[before] = false);
+            staying.retain(|&before| stays[before]);
             staying.push(index);
         }
     }
@@ -254,6 +261,12 @@ mod tests {
         assert_eq!(stays(Certainty::Border), Some(vec![true, false, false, true]));
         let odd = [of(-0.4, Certainty::Certain), of(-0.3, Certainty::Own), of(0.8, Certainty::Certain)];
         assert_eq!(in_turn(&odd, true), Some(vec![true, false, true]));
+        let backwards = [of(0.3, Certainty::Own), of(-0.3, Certainty::Own)];
+        assert_eq!(
+            in_turn(&backwards, true),
+            Some(vec![false, false]),
+            "no body is turned for hits that may be none"
+        );
     }
 
     #[test]

@@ -132,7 +132,7 @@ pub fn met_hits<T: Kernel>(
 ///
 /// Neighbouring leaves and nets find one hit each where they meet, as many as share a corner or a pole, and along a tangent every search ends at another
 /// point of the stretch in which the face is within its slack of the ray. A hit is at the place of another if it is at that of
-/// its last one, so that a stretch is one place as long as the searches leave no wider gaps. Of hits at one place a certain one stays, or else the first.
+/// its last one, so that a stretch is one place as long as the searches leave no wider gaps. Of hits at one place the first of the surest stays.
 pub fn places<T: Kernel>(
     scene: &Scene<'_>,
     prepared: &PreparedRay<T>,
@@ -163,7 +163,7 @@ pub fn places<T: Kernel>(
         match open.iter().rev().copied().find(|&k| is_same(&last[k])) {
             Some(place) => {
                 last[place] = own;
-                if hit.is_certain() && !kept[place].hit.is_certain() {
+                if hit.certainty < kept[place].hit.certainty {
                     kept[place] = own;
                 }
             }

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Pixels per unit of work.
 const PIXELS_PER_TASK: usize = 1024;
 /// Pixels that are refined at a time, which is what bounds the memory for it.
-const MOST_REFINED: usize = 65_472;
+const MOST_REFINED: usize = 1 << 16;
 
 /// Renders a picture, or the part of it that the options ask for; `progress` is told (done, total) units of work.
 ///

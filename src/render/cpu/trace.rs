@@ -32,19 +32,25 @@ pub struct RawHit<T> {
     pub certainty: Certainty,
 }
 
-/// How sure it is that a hit is one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How sure it is that a hit is one, the surest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Certainty {
     /// Whatever the errors: neither near a tangent nor near the face's border.
     Certain,
-    /// The ray is near a tangent, or not far from the face's border, but passes the face inside: it may be none, but no neighbour's hit is the same.
+    /// The ray is near a tangent, or not far from the face's border, but passes the face inside, as do the places beside it: it may be none, but where faces
+    /// meet within half their slacks no neighbour's hit is the same.
     Own,
     /// The face's border is as near as its slack, or the search was cut short.
     Border,
 }
 
 impl Certainty {
+    /// That of a kernel's word, which is one of these `as u32`.
+    pub fn from_word(word: u32) -> Self {
+        [Self::Certain, Self::Own].into_iter().find(|&own| own as u32 == word).unwrap_or(Self::Border)
+    }
+
     fn of(cover: Cover, is_grazing: bool) -> Self {
         match (cover, is_grazing) {
             (Cover::Inside, false) => Self::Certain,
@@ -268,4 +274,16 @@ pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T
         let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
         to_window(p, T::from_f32(period[k]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn certainties_come_back_from_their_words() {
+        for certainty in [Certainty::Certain, Certainty::Own, Certainty::Border] {
+            assert_eq!(Certainty::from_word(certainty as u32), certainty);
+        }
+    }
 }

@@ -167,7 +167,7 @@ impl Gpu {
         staging.map_async(wgpu::MapMode::Read, .., move |result| {
             let _ = outcome.set(result);
         });
-        self.run(self.device.create_command_encoder(&Default::default()).finish())?;
+        self.wait()?;
         match mapped.get() {
             Some(Ok(())) => {}
             Some(Err(error)) => return Err(GpuError::Lost(error.to_string())),

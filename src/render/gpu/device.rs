@@ -16,7 +16,7 @@ pub const STORAGE_BUFFERS: u32 = 16;
 /// The same of a software device, where the two records of constants are storage buffers too.
 const SOFTWARE_STORAGE_BUFFERS: u32 = STORAGE_BUFFERS + 2;
 
-/// How long one submission may take before the device counts as lost. Dispatches are cut into tiles that take far less.
+/// How long submissions may take before the device counts as lost. Dispatches are cut so that the few that are waited for together take far less.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(120);
 /// The same of a software device, which compiles a kernel when it first runs: a minute on a core of its own, several on a busy one.
 const SOFTWARE_TIMEOUT: Duration = Duration::from_secs(1800);
@@ -96,6 +96,11 @@ impl Gpu {
             Some(error) => Err(error),
             None => Ok(()),
         }
+    }
+
+    /// Waits for all that was submitted.
+    pub(super) fn wait(&self) -> Result<(), GpuError> {
+        self.run(self.device.create_command_encoder(&Default::default()).finish())
     }
 
     /// Submits commands and waits for them.

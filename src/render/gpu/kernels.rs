@@ -26,7 +26,7 @@ pub(super) const NARROW: u32 = 1;
 /// Elements of one dispatch of a software device at most: also that many narrow workgroups are allowed.
 const MOST_SOFTWARE_ELEMENTS: usize = 65_472;
 /// The same of a hardware device: several times what the largest keeps in flight, and tenths of a second on a slow one.
-const MOST_HARDWARE_ELEMENTS: usize = 1 << 19;
+pub(super) const MOST_HARDWARE_ELEMENTS: usize = 1 << 19;
 
 /// An entry file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -15,8 +15,9 @@ use crate::render::{Camera, PathOptions, RenderOptions};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
-/// Rays of each pixel in a dispatch.
+/// Rays of each pixel in a dispatch, and pixels: a million rays, which a slow device traces within its driver's patience.
 const RAYS: u32 = 16;
+const MOST_PATHS: usize = 1 << 16;
 
 /// `PathParameters` of `shaders/entry/paths.wgsl`. 496 bytes.
 #[repr(C)]
@@ -99,23 +100,30 @@ impl Gpu {
         let shares: Vec<f32> = map.shares.iter().chain(on_ground).copied().collect();
         let shares = self.create_input("shares of the map", bytemuck::cast_slice(&shares));
         let light = [&texels, &shares];
-        let mut film = paint_paths(options, paths, progress, self.most_elements(), |pixels, samples| {
-            let mut sums = self.path_samples(scene, options, parameters, light, pixels, samples.clone())?;
-            let given_up: Vec<usize> = (0..sums.len()).filter(|&index| sums[index].is_cut != 0).collect();
-            let asked: Vec<u32> = given_up.iter().map(|&index| pixels[index]).collect();
-            let found = take_path_samples(
-                &scene.scene,
-                camera,
-                options,
-                (paths, found_ground.as_ref()),
-                &asked,
-                samples,
-            );
-            for (index, sum) in given_up.into_iter().zip(found) {
-                sums[index] = sum;
-            }
-            Ok::<_, GpuError>(sums)
-        })?;
+        let mut film = paint_paths(
+            options,
+            paths,
+            progress,
+            self.most_elements().min(MOST_PATHS),
+            |pixels, samples| {
+                let mut sums =
+                    self.path_samples(scene, options, parameters, light, pixels, samples.clone())?;
+                let given_up: Vec<usize> = (0..sums.len()).filter(|&index| sums[index].is_cut != 0).collect();
+                let asked: Vec<u32> = given_up.iter().map(|&index| pixels[index]).collect();
+                let found = take_path_samples(
+                    &scene.scene,
+                    camera,
+                    options,
+                    (paths, found_ground.as_ref()),
+                    &asked,
+                    samples,
+                );
+                for (index, sum) in given_up.into_iter().zip(found) {
+                    sums[index] = sum;
+                }
+                Ok::<_, GpuError>(sums)
+            },
+        )?;
         options.background.put_behind(&mut film);
         Ok(film)
     }

@@ -4,7 +4,7 @@
 //! device in the CPU tracer's order, then read back. Memory on the device does not depend on the picture's size. What is made of centres and samples
 //! is common to both tracers (`cpu::adaptive`).
 
-use super::kernels::{NARROW, WIDE};
+use super::kernels::{MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::image::{Film, Window};
 use crate::render::cpu::adaptive::{Centers, paint, with_margin};
@@ -124,6 +124,12 @@ impl Gpu {
     }
 }
 
+/// Samples that are dispatched before the first of them is waited for.
+const SAMPLES_IN_FLIGHT: u32 = 8;
+
+// The least that Vulkan lets a kernel bind.
+const _: () = assert!(MOST_HARDWARE_ELEMENTS * size_of::<Refined>() <= 128 << 20);
+
 /// One picture of one scene.
 struct Shot<'a> {
     gpu: &'a Gpu,
@@ -227,6 +233,9 @@ impl Shot<'_> {
             let uniform = gpu.create_uniform("render parameters", &parameters);
             let bind_group = gpu.bind(Entry::Render, &[&uniform, &asked, &colors, &centers]);
             gpu.dispatch(&pipeline, self.scene, &bind_group, count, lanes)?;
+            if sample % SAMPLES_IN_FLIGHT == SAMPLES_IN_FLIGHT - 1 {
+                gpu.wait()?;
+            }
             if self.options.layers.has_first_hits() && parameters.centers_only == 0 {
                 let found: Vec<Center> = gpu.read(&centers, count as usize)?;
                 for (hits, center) in first_hits.iter_mut().zip(found).filter(|(_, c)| c.instance != 0) {

@@ -4,7 +4,7 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::{INCOMPLETE, NARROW, WIDE};
+use super::kernels::{INCOMPLETE, MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::{consistent_hits, settled};
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// Slots per ray of the first pass.
 const FIRST_SLOTS: u32 = 8;
-/// Slots of one dispatch, 32 bytes each; also what a single ray may have.
+/// Slots of one dispatch of rays with many hits, 32 bytes each; also what a single ray may have.
 const BATCH_SLOTS: u32 = 1 << 20;
 
 #[repr(C)]
@@ -28,6 +28,9 @@ pub(super) struct ProbeParameters {
     pub(super) first_only: u32,
     pub(super) reserved: [u32; 2],
 }
+
+// The least that Vulkan lets a kernel bind.
+const _: () = assert!(MOST_HARDWARE_ELEMENTS * FIRST_SLOTS as usize * size_of::<ProbeHit>() <= 128 << 20);
 
 /// A ray as the kernel reads it. 64 bytes.
 #[repr(C)]
@@ -309,10 +312,6 @@ fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
         face: hit.face,
         net: hit.net,
         uv: hit.uv,
-        certainty: match hit.certainty {
-            0 => Certainty::Certain,
-            1 => Certainty::Own,
-            _ => Certainty::Border,
-        },
+        certainty: Certainty::from_word(hit.certainty),
     })
 }
