@@ -286,6 +286,7 @@ impl<'s> Renderer<'_, '_, 's> {
     }
 
     /// Brings rays to the GPU, to be traced to their first hits; `None` where that does not compute.
+    #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU holds rays"))]
     pub(super) fn hold_rays(&mut self, rays: impl FnOnce() -> Vec<Ray>) -> anyhow::Result<Option<HeldRays>> {
         #[cfg(feature = "gpu")]
         return self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
@@ -296,16 +297,17 @@ impl<'s> Renderer<'_, '_, 's> {
     }
 
     /// Traces them once more.
+    #[cfg(feature = "gpu")]
     pub(super) fn run_held(&mut self, work: &HeldRays) -> anyhow::Result<()> {
-        #[cfg(feature = "gpu")]
-        if self
-            .device
-            .on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.run_held(uploaded, work, 1))?
-            .is_none()
-        {
-            anyhow::bail!("the GPU that holds the rays has failed");
-        }
-        Ok(())
+        let done =
+            self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| gpu.run_held(uploaded, work, 1))?;
+        done.ok_or_else(|| anyhow::anyhow!("the GPU that holds the rays has failed"))
+    }
+
+    /// Without a GPU there is nothing to trace.
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn run_held(&mut self, work: &HeldRays) -> anyhow::Result<()> {
+        match *work {}
     }
 
     /// How many there are, and how many have hits.

@@ -86,3 +86,23 @@ fn nonsense_is_refused() {
         bench.run(&format!("bench stages cube.step {flags}")).expect(2);
     }
 }
+
+#[test]
+fn kernels_are_a_gpu_s() {
+    let bench = Bench::new();
+    let outcome = bench.run("bench stages cube.step --frames --kernels --device cpu --rays 10").expect(1);
+    assert!(outcome.stderr.contains("no GPU"), "{}", outcome.stderr);
+    if std::env::var_os("REQUIRE_GPU").is_none_or(|value| value != "1") {
+        eprintln!("skipped: kernels on a GPU, without REQUIRE_GPU=1");
+        return;
+    }
+    let load = "--frames --kernels --device gpu --resolution 32,24 --rays-per-pixel 2 --rays 1000 --repeat 1";
+    let outcome = bench.run(&format!("bench stages cube.step --json {load}")).expect(0);
+    let [line] = &lines(outcome.text())[..] else { panic!("{}", outcome.text()) };
+    for stage in ["primary_kernel", "random_kernel"] {
+        let held = |what: &str| line["held"][stage][what].as_u64().expect(stage);
+        assert!(0 < held("hits") && held("hits") < held("rays"), "{stage}: {line}");
+        assert!(line["seconds"][stage].as_f64().expect(stage) > 0.0);
+    }
+    assert!(line["seconds"].get("frame").is_none());
+}

@@ -47,6 +47,7 @@ pub enum Certainty {
 
 impl Certainty {
     /// That of a kernel's word, which is one of these `as u32`.
+    #[cfg(feature = "gpu")]
     pub fn from_word(word: u32) -> Self {
         [Self::Certain, Self::Own].into_iter().find(|&own| own as u32 == word).unwrap_or(Self::Border)
     }
@@ -276,7 +277,7 @@ pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
 
