@@ -14,7 +14,7 @@ pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
         TrimWord::Uniform { inside } => inside,
         TrimWord::One { corner, toggles, segment } => corner ^ flips(tree, toggles, segment, point),
         TrimWord::List { offset } => {
-            let at = beyond_cells(&tree.words) + offset as usize;
+            let at = trim_word::beyond_cells(tree.words[0]) + offset as usize;
             let head = tree.words[at];
             let entries = &tree.words[at + 1..][..(head & !(1 << 31)) as usize];
             entries.iter().fold(head >> 31 == 1, |state, entry| {
@@ -23,10 +23,6 @@ pub(super) fn inside(tree: &TrimTree, point: [f32; 2]) -> bool {
         }
         TrimWord::Inner { .. } | TrimWord::Tree { .. } => unreachable!("walks end at leaves"),
     }
-}
-
-fn beyond_cells(words: &[u32]) -> usize {
-    HEADER_WORDS + trim_word::cell_words(words[0])
 }
 
 fn cell(words: &[u32], point: [f32; 2]) -> TrimWord {
@@ -38,7 +34,7 @@ fn cell(words: &[u32], point: [f32; 2]) -> TrimWord {
     let word =
         unpack(trim_word::cell_word(&words[HEADER_WORDS..], words[0], index[1] << levels[0] | index[0]));
     let TrimWord::Tree { offset } = word else { return word };
-    let mut at = beyond_cells(words) + offset as usize;
+    let mut at = trim_word::beyond_cells(words[0]) + offset as usize;
     loop {
         let TrimWord::Inner { axis, plane, right } = unpack(words[at]) else { return unpack(words[at]) };
         at += match (point[axis as usize] >= position(plane), right == FAR) {

@@ -141,7 +141,8 @@ fn with_short_cells(words: Vec<u32>, beyond_cells: usize) -> Vec<u32> {
     header.into_iter().chain(pairs).chain(words[beyond_cells..].iter().copied()).collect()
 }
 
-/// log2 of the cells along u and v: about [`SHORT_CELLS_PER_PIECE`] or [`LONG_CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the most of them without a piece.
+/// log2 of the cells along u and v: about [`SHORT_CELLS_PER_PIECE`] or [`LONG_CELLS_PER_PIECE`] for each piece, as many along each axis as leaves the
+/// most of them without a piece.
 fn grid_levels(pieces: &[Piece]) -> [u32; 2] {
     if pieces.is_empty() {
         return [0; 2];

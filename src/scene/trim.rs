@@ -277,12 +277,12 @@ pub mod trim_word {
         }
     }
 
-    /// Words that the cells of a root take, by its first word.
+    /// Words from a root to the end of its cells, from which offsets count, by its first word.
     #[inline(always)]
-    pub const fn cell_words(grid: u32) -> usize {
+    pub const fn beyond_cells(grid: u32) -> usize {
         let [along_u, along_v] = grid_levels(grid);
         let cells = 1_usize << (along_u + along_v);
-        if grid & SHORT != 0 { cells.div_ceil(2) } else { cells }
+        HEADER_WORDS + if grid & SHORT != 0 { cells.div_ceil(2) } else { cells }
     }
 
     /// The word of a cell, by the first word of the root and its index in `cells`.

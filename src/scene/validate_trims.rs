@@ -69,7 +69,7 @@ impl<'a> Root<'a> {
         let [along_u, along_v] = grid_levels(grid);
         let is_grid = along_u.max(along_v) <= trim_word::MAX_GRID_LEVEL;
         let cells = is_grid.then(|| 1_usize << (along_u + along_v))?;
-        let beyond = root + trim_word::HEADER_WORDS + trim_word::cell_words(grid);
+        let beyond = root + trim_word::beyond_cells(grid);
         (beyond <= scene.trim_nodes.len()).then_some(Self { scene, root, cells, beyond, visited })
     }
 

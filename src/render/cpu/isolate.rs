@@ -9,7 +9,8 @@
 //! at a distance e from the middle of 1 at most. `K η < ½` is Kantorovich's condition, under which Newton's method does not fail:
 //! after the first step `½ K e² <= ½ e` is left, and the derivative's inverse has at most doubled. Both are asked for with a tenth to spare.
 //!
-//! Of a cell that is quartered only those quarters are looked at that these inequalities, with the cell's own planes and remainder and the quarter's sides, leave open.
+//! Of a cell that is quartered only those quarters are looked at that these inequalities, with the cell's own planes and remainder and the quarter's
+//! sides, leave open.
 //!
 //! A leaf has one bound M of the second derivatives by its own parameters, so that `B = M r²` in a square cell of half side r.
 //!
@@ -31,7 +32,7 @@ use crate::scene::{Net, point_side};
 const MAX_ISOLATION_LEVEL: u32 = 8;
 pub const MAX_ISOLATION_CELLS: u32 = 4096;
 
-/// Half the side of a quarter in half sides of its cell, and a thirty-second more: quarters overlap by more than what they are looked at beyond their sides.
+/// Half the side of a quarter in half sides of its cell, and a sixty-fourth more: quarters overlap by more than what they are looked at beyond their sides.
 const QUARTER: f64 = 0.5 + 1.0 / 64.0;
 
 /// Halvings towards a pole: the slack is at least 2⁻²¹ of the net.

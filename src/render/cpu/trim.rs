@@ -9,8 +9,8 @@ use super::vector::number;
 use crate::numeric::Real;
 use crate::scene::trim_study::BEFORE_ONE;
 use crate::scene::trim_word::{
-    FAR, HEADER_WORDS, MAX_SEGMENT, SHORT, TrimWord, cell_words, grid_cells, grid_levels, lengthen, position,
-    short_cell, short_uniform, tree, uniform, unpack,
+    FAR, HEADER_WORDS, MAX_SEGMENT, SHORT, TrimWord, beyond_cells, grid_cells, grid_levels, lengthen,
+    position, short_cell, short_uniform, tree, uniform, unpack,
 };
 use crate::scene::{Band, Scene, TRIM_INSIDE, TrimMethod, TrimSegment};
 
@@ -148,7 +148,7 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
     /// The word after the cells, from which offsets count.
     #[inline(always)]
     fn beyond_cells(&self) -> usize {
-        self.root + HEADER_WORDS + cell_words(self.scene.trim_nodes[self.root])
+        self.root + beyond_cells(self.scene.trim_nodes[self.root])
     }
 
     /// What is known of the cell that the point lies in.

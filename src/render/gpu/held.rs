@@ -4,8 +4,8 @@
 //! all that was brought before, as often as is asked. What it finds can be counted, so that no bench times a kernel that finds nothing.
 
 use super::kernels::{INCOMPLETE, WIDE};
-use super::rays::{Pending, ProbeHit, ProbeParameters, probe_ray};
-use super::trims::{TrimParameters, TrimQuery};
+use super::rays::{Pending, probe_ray};
+use super::trims::TrimQuery;
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::ray_space::prepare;
 use crate::render::{Exactness, Ray};
@@ -56,12 +56,7 @@ impl Gpu {
                 continue;
             }
             let count = rays.len() as u32;
-            let parameters = ProbeParameters { ray_count: count, first_only: 1, reserved: [0; 2] };
-            let parameters = self.create_uniform("probe parameters", &parameters);
-            let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
-            let hits = self.create_output("probe hits", u64::from(count) * size_of::<ProbeHit>() as u64);
-            let answers = self.create_output("probe counts", 4 * u64::from(count));
-            let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &answers]);
+            let (bind_group, _, answers) = self.bind_rays(&rays, count, true);
             batches.push(Batch { bind_group, count, answers });
         }
         self.check()?;
@@ -76,12 +71,8 @@ impl Gpu {
     pub fn hold_queries(&self, scene: &GpuScene<'_>, queries: &[TrimQuery]) -> Result<HeldWork, GpuError> {
         let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, WIDE)?;
         let of_batch = |queries: &[TrimQuery]| {
-            let count = queries.len() as u32;
-            let parameters = self
-                .create_uniform("trim parameters", &TrimParameters { query_count: count, reserved: [0; 3] });
-            let input = self.create_input("trim queries", bytemuck::cast_slice(queries));
-            let answers = self.create_output("trim answers", 4 * u64::from(count));
-            Batch { bind_group: self.bind(Entry::Trim, &[&parameters, &input, &answers]), count, answers }
+            let (bind_group, answers) = self.bind_queries(queries);
+            Batch { bind_group, count: queries.len() as u32, answers }
         };
         let batches = queries.chunks(self.most_elements()).map(of_batch).collect();
         self.check()?;

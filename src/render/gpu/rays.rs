@@ -23,10 +23,10 @@ const BATCH_SLOTS: u32 = 1 << 20;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct ProbeParameters {
-    pub(super) ray_count: u32,
-    pub(super) first_only: u32,
-    pub(super) reserved: [u32; 2],
+struct ProbeParameters {
+    ray_count: u32,
+    first_only: u32,
+    reserved: [u32; 2],
 }
 
 // The least that Vulkan lets a kernel bind.
@@ -248,19 +248,26 @@ impl Gpu {
                 probe_ray(ray, first_slot)
             })
             .collect();
-        let parameters = ProbeParameters {
-            ray_count: rays.len() as u32,
-            first_only: wanted.first_only.into(),
-            reserved: [0; 2],
-        };
-        let parameters = self.create_uniform("probe parameters", &parameters);
-        let input = self.create_input("probe rays", bytemuck::cast_slice(&rays));
-        let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
-        let counts = self.create_output("probe counts", 4 * rays.len() as u64);
+        let (bind_group, hits, counts) = self.bind_rays(&rays, slots, wanted.first_only);
         let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, false, lanes)?;
-        let bind_group = self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]);
         self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
+    }
+
+    /// Rays on the device, and where their hits and the numbers of those go.
+    pub(super) fn bind_rays(
+        &self,
+        rays: &[ProbeRay],
+        slots: u32,
+        first_only: bool,
+    ) -> (wgpu::BindGroup, wgpu::Buffer, wgpu::Buffer) {
+        let parameters =
+            ProbeParameters { ray_count: rays.len() as u32, first_only: first_only.into(), reserved: [0; 2] };
+        let parameters = self.create_uniform("probe parameters", &parameters);
+        let input = self.create_input("probe rays", bytemuck::cast_slice(rays));
+        let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
+        let counts = self.create_output("probe counts", 4 * rays.len() as u64);
+        (self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]), hits, counts)
     }
 }
 

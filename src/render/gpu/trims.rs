@@ -7,9 +7,9 @@ use bytemuck::{Pod, Zeroable};
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct TrimParameters {
-    pub(super) query_count: u32,
-    pub(super) reserved: [u32; 3],
+struct TrimParameters {
+    query_count: u32,
+    reserved: [u32; 3],
 }
 
 /// A point of a face's parameter square. 16 bytes.
@@ -51,13 +51,18 @@ impl Gpu {
         queries: &[TrimQuery],
         lanes: u32,
     ) -> Result<Vec<u32>, GpuError> {
+        let (bind_group, answers) = self.bind_queries(queries);
+        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, lanes)?;
+        self.dispatch(&pipeline, scene, &bind_group, queries.len() as u32, lanes)?;
+        self.read(&answers, queries.len())
+    }
+
+    /// Queries on the device, and where their answers go.
+    pub(super) fn bind_queries(&self, queries: &[TrimQuery]) -> (wgpu::BindGroup, wgpu::Buffer) {
         let parameters = TrimParameters { query_count: queries.len() as u32, reserved: [0; 3] };
         let parameters = self.create_uniform("trim parameters", &parameters);
         let input = self.create_input("trim queries", bytemuck::cast_slice(queries));
         let answers = self.create_output("trim answers", 4 * queries.len() as u64);
-        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, lanes)?;
-        let bind_group = self.bind(Entry::Trim, &[&parameters, &input, &answers]);
-        self.dispatch(&pipeline, scene, &bind_group, queries.len() as u32, lanes)?;
-        self.read(&answers, queries.len())
+        (self.bind(Entry::Trim, &[&parameters, &input, &answers]), answers)
     }
 }
