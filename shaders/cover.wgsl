@@ -18,7 +18,8 @@ fn is_far_outside(uv: vec2<f32>) -> bool {
 }
 
 // The twin's centre and its four places are one loop here, so that the walk down the tree stands once.
-fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
+// All faces of a part are tried at the same sides of `direction`, part space, turned to the face's axes.
+fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint, direction: vec3<f32>) -> u32 {
     let half_box = extent(print);
     let reach = half_box + margin;
     if any(at < -reach) || any(at > 1.0 + reach) {
@@ -28,9 +29,10 @@ fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
     let is_near_end = any(at < reach) || any(at > 1.0 - reach);
     var uv = at;
     var is_center_inside = false;
+    var o: Sides;
     for (var side = 0u; side < 5u; side++) {
         if side > 0u {
-            let beside = place(print, at, side - 1u);
+            let beside = place(print, at, o, side - 1u);
             uv = vec2<f32>(to_window(beside.x, period.x), to_window(beside.y, period.y));
         }
         let point = trim_point(faces[face].trim_root, clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), select(vec2<f32>(-1.0), half_box, side == 0u));
@@ -43,6 +45,8 @@ fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint) -> u32 {
                 return select(OUTSIDE, BORDER, is_inside);
             }
             is_center_inside = is_inside;
+            o = sides(direction);
+            o = Sides(apply_axes(face, o.first), apply_axes(face, o.second));
         } else if is_inside != is_center_inside {
             return BORDER;
         }

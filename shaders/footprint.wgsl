@@ -10,23 +10,24 @@ struct Sides {
 }
 
 struct Footprint {
-    first: vec2<f32>,
-    second: vec2<f32>,
+    slope_u: vec3<f32>,
+    slope_v: vec3<f32>,
     cosine: f32,
     is_grazing: bool,
 }
 
 fn scaled(print: Footprint, scale: vec2<f32>) -> Footprint {
-    return Footprint(print.first * scale, print.second * scale, print.cosine, print.is_grazing);
+    return Footprint(print.slope_u * scale.x, print.slope_v * scale.y, print.cosine, print.is_grazing);
 }
 
 fn extent(print: Footprint) -> vec2<f32> {
-    let squares = print.first * print.first + print.second * print.second;
-    return select(vec2<f32>(0.25), sqrt(squares), squares < vec2<f32>(0.0625));
+    let lengths = vec2<f32>(length(print.slope_u), length(print.slope_v));
+    return select(vec2<f32>(0.25), lengths, lengths < vec2<f32>(0.25));
 }
 
-fn place(print: Footprint, uv: vec2<f32>, side: u32) -> vec2<f32> {
-    let beside = select(print.first, print.second, side >= 2u);
+fn place(print: Footprint, uv: vec2<f32>, o: Sides, side: u32) -> vec2<f32> {
+    let moved = select(o.first, o.second, side >= 2u);
+    let beside = vec2<f32>(dot(print.slope_u, moved), dot(print.slope_v, moved));
     return uv + select(beside, -beside, (side & 1u) == 1u);
 }
 
@@ -41,7 +42,7 @@ fn sides(direction: vec3<f32>) -> Sides {
     );
 }
 
-fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, curvature: f32, slack: f32) -> Footprint {
+fn footprint(direction: vec3<f32>, s_u: vec3<f32>, s_v: vec3<f32>, curvature: f32, slack: f32) -> Footprint {
     let normal = cross(s_u, s_v);
     let determinant = dot(direction, normal);
     let steepness = length(direction) * length(normal);
@@ -51,20 +52,14 @@ fn footprint(direction: vec3<f32>, o: Sides, s_u: vec3<f32>, s_v: vec3<f32>, cur
     let by_u = cross(s_v, direction);
     let by_v = cross(direction, s_u);
     let share = slack / select(steepness * (1.0 / LONGEST), determinant, cosine > 1.0 / LONGEST);
-    return Footprint(
-        vec2<f32>(dot(o.first, by_u), dot(o.first, by_v)) * share,
-        vec2<f32>(dot(o.second, by_u), dot(o.second, by_v)) * share,
-        facing,
-        is_grazing,
-    );
+    return Footprint(by_u * share, by_v * share, facing, is_grazing);
 }
 
-fn pole_footprint(axis: u32, across: vec3<f32>, slack: f32) -> Footprint {
-    let off = slack / length(across);
-    if axis == 0u {
-        return Footprint(vec2<f32>(off, 0.25), vec2<f32>(-off, 0.25), 0.0, true);
-    }
-    return Footprint(vec2<f32>(0.25, off), vec2<f32>(0.25, -off), 0.0, true);
+fn pole_footprint(axis: u32, o: Sides, across: vec3<f32>, slack: f32) -> Footprint {
+    let off = (o.first - o.second) * (slack / length(across));
+    let around = (o.first + o.second) * 0.25;
+    let is_v = axis == 1u;
+    return Footprint(select(off, around, is_v), select(around, off, is_v), 0.0, true);
 }
 
 fn same_place(apart: f32, first: f32, second: f32, slack: f32) -> bool {

@@ -209,10 +209,10 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, moved: vec2<f32>, roots:
     let s_v = (jet.by_v.xyz - point * jet.by_v.w) * scale;
     let from_origin = point + s_u * moved.x + s_v * moved.y;
     let curvature = root_curvature(s_u * at.domain.size.x, s_v * at.domain.size.y, leaf_bend(at.leaf));
-    var print = footprint(at.ray.direction, sides(at.ray.direction), s_u, s_v, curvature, at.slack);
+    var print = footprint(at.ray.direction, s_u, s_v, curvature, at.slack);
     let is_v = at.pole.axis == 1u;
     if at.pole.exists && select(length(s_v), length(s_u), is_v) <= at.slack * 4.0 {
-        print = pole_footprint(at.pole.axis, select(s_u, s_v, is_v), at.slack);
+        print = pole_footprint(at.pole.axis, sides(at.ray.direction), select(s_u, s_v, is_v), at.slack);
     }
     print.is_grazing |= !search.converged;
     let half_box = extent(print);

@@ -97,14 +97,12 @@ fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         }
         let s = carrier_tangents(face.kind, point, radii);
         let curvature = carrier_curvature(face.kind, point, radii);
-        let beside = sides(part_ray.direction);
-        let own_beside = Sides(apply_axes(index, beside.first), apply_axes(index, beside.second));
-        let print = scaled(footprint(direction, own_beside, s.u, s.v, curvature, face.slack), face.uv_scale);
+        let print = scaled(footprint(direction, s.u, s.v, curvature, face.slack), face.uv_scale);
         let margin = vec2<f32>(
             window_margin(face.uv_low.x, face.uv_scale.x),
             window_margin(face.uv_low.y, face.uv_scale.y),
         );
-        let covered = cover(index, uv, margin, print);
+        let covered = cover(index, uv, margin, print, part_ray.direction);
         if covered != OUTSIDE {
             let certainty = certainty_of(covered, print.is_grazing);
             accept(collected, RawHit(distance, instance, index, NO_NET, uv, certainty));
@@ -124,7 +122,7 @@ fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, coll
         if !is_between(distance, near, (*collected).far) {
             continue;
         }
-        let covered = leaf_cover(index, domain, root);
+        let covered = leaf_cover(index, domain, root, part_ray.direction);
         if covered != OUTSIDE {
             let certainty = select(certainty_of(covered, root.footprint.is_grazing), NEAR_BORDER, roots.is_cut);
             accept(collected, RawHit(distance, instance, face, net, root.uv, certainty));
@@ -136,7 +134,7 @@ fn certainty_of(covered: u32, is_grazing: bool) -> u32 {
     return select(select(NEAR_BORDER, OWN, covered >= NEAR), CERTAIN, covered == INSIDE && !is_grazing);
 }
 
-fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot) -> u32 {
+fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot, direction: vec3<f32>) -> u32 {
     let half_box = extent(root.footprint);
     let from_low = root.uv - domain.low;
     let is_own = all(from_low >= half_box) && all(domain.size - from_low >= half_box);
@@ -147,7 +145,7 @@ fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot) -> u32 {
     let face = nets[net].face;
     let uv = face_parameters(net, faces[face].period, root.uv);
     let print = scaled(root.footprint, nets[net].uv_size);
-    return cover(face, uv, vec2<f32>(0.0), print);
+    return cover(face, uv, vec2<f32>(0.0), print, direction);
 }
 
 fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {

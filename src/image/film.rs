@@ -2,6 +2,7 @@
 
 use super::cryptomatte::{RANKS, Share};
 use super::picture::decode_srgb;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// A rectangle of a picture's pixels.
@@ -268,13 +269,13 @@ impl Film {
     /// Puts a wall of one colour behind everything: light that a pixel does not cover is replaced by it.
     pub fn put_behind(&mut self, srgb: [f32; 3]) {
         let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
-        for color in &mut self.color {
+        self.color.par_iter_mut().for_each(|color| {
             let uncovered = 1.0 - color[3];
             for channel in 0..3 {
                 color[channel] += uncovered * light[channel];
             }
             color[3] = 1.0;
-        }
+        });
     }
 }
 

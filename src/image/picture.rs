@@ -1,6 +1,7 @@
 //! The picture that a screen shows: sRGB (IEC 61966-2-1) in 8 or 16 bits a channel, alpha not multiplied in.
 
 use super::Film;
+use rayon::prelude::*;
 use std::ops::Not;
 use std::sync::LazyLock;
 
@@ -29,14 +30,14 @@ impl<Code: Copy + Default + PartialEq + Not<Output = Code>> Picture<Code> {
 impl From<&Film> for Picture {
     fn from(film: &Film) -> Self {
         let pixels =
-            film.color.iter().map(|&c| develop(c, 255.0, encode_srgb).map(|code| code as u8)).collect();
+            film.color.par_iter().map(|&c| develop(c, 255.0, encode_srgb).map(|code| code as u8)).collect();
         Self { width: film.width, height: film.height, pixels }
     }
 }
 
 impl From<&Film> for DeepPicture {
     fn from(film: &Film) -> Self {
-        let pixels = film.color.iter().map(|&c| develop(c, 65_535.0, encode_srgb_deep)).collect();
+        let pixels = film.color.par_iter().map(|&c| develop(c, 65_535.0, encode_srgb_deep)).collect();
         Self { width: film.width, height: film.height, pixels }
     }
 }

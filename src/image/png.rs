@@ -54,7 +54,8 @@ impl Samples {
     pub(super) fn of_picture(picture: &Picture, keep_alpha: bool) -> Self {
         let is_opaque = !keep_alpha && picture.is_opaque();
         let bytes = if is_opaque {
-            picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
+            let colors: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            colors.into_flattened()
         } else {
             picture.pixels.as_flattened().to_vec()
         };
@@ -87,6 +88,8 @@ impl Samples {
     pub(super) fn encode(&self, part: Option<(Window, [usize; 2])>) -> Result<Vec<u8>, ImageError> {
         let mut bytes = Vec::new();
         let mut encoder = self.encoder(&mut bytes)?;
+        // A twentieth of the usual time, for files that are a quarter larger: packing would be a tenth of a picture's time.
+        encoder.set_compression(png::Compression::Fast);
         if let Some((Window { left, top, width, height }, [across, down])) = part {
             let text = format!("{left},{top},{width},{height} of {across},{down}");
             encoder.add_text_chunk(WINDOW_KEYWORD.to_owned(), text).map_err(|e| invalid(e.to_string()))?;

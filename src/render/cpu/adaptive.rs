@@ -20,17 +20,21 @@ use super::pixels::{
 };
 use super::shade::{hit_material, is_other};
 use super::vector::Vector3;
-use crate::image::{Film, Share, Window};
+use crate::image::{Film, RANKS, Share, Window};
 use crate::render::{Camera, Ray, RenderOptions, Sampling};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// How far the light of three pixels in a row may bend, as the eye sees it: the centre's light is then within a twenty-fourth of it of the mean.
 const MOST_BEND: f32 = 4.0 / 255.0;
 
 /// Pixels by which a surface may step towards the viewer unsampled.
 const MOST_STEP: f32 = 1.0;
+
+/// Pixels whose centres one thread finds at a time.
+const PIXELS_PER_BAND: usize = 1024;
 
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
@@ -78,37 +82,51 @@ impl<'a> Centers<'a> {
         }
     }
 
-    /// Tells what pixels from index `first` on show; depths are made `behind` millimetres greater.
-    pub fn put(&mut self, first: usize, centers: &[Center], behind: f64) {
-        let layers = self.options.layers;
-        if layers.curvature {
-            let of_scene = |center| curvature_at(self.scene, center);
-            let found = self.film.curvature[first..].par_iter_mut();
-            found.zip(centers).for_each(|(found, center)| *found = of_scene(center));
-        }
-        for (pixel, center) in (first..).zip(centers).filter(|(_, center)| center.instance != 0) {
-            let film = &mut self.film;
-            film.depth[pixel] = (behind + f64::from(center.depth)) as f32;
-            film.normal[pixel] = center.normal;
-            film.part[pixel] = center.instance;
-            let is_cap = center.flags & CAP != 0;
-            film.face[pixel] = if is_cap { 0 } else { center.face };
-            let (instance, face) = (center.instance - 1, center.face - 1);
-            if layers.uv && !is_cap {
-                let uv = surface_parameters(self.scene, face, center.net, center.uv);
-                film.uv[pixel] = uv.map(|parameter| parameter as f32);
+    /// Takes what `count` pixels from index `first` on show; depths are made `behind` millimetres greater. `find` tells it of some of them at a time, by
+    /// their indices, on all threads.
+    pub fn take<C: AsRef<[Center]>>(
+        &mut self,
+        first: usize,
+        count: usize,
+        behind: f64,
+        find: impl Fn(Range<usize>) -> C + Sync,
+    ) {
+        let scene = self.scene;
+        let firsts = (first..).step_by(PIXELS_PER_BAND);
+        let bands: Vec<(usize, Band<'_>)> = firsts.zip(self.bands(first, count)).collect();
+        bands.into_par_iter().for_each(|(first, mut band)| {
+            let found = find(first..first + band.open.len());
+            for (pixel, center) in
+                found.as_ref().iter().enumerate().filter(|(_, center)| center.instance != 0)
+            {
+                band.put(scene, pixel, center, behind);
             }
-            if layers.albedo {
-                film.albedo[pixel] = hit_material(self.scene, instance, face).rgb;
-            }
-            if layers.matte {
-                film.matte[pixel][0] = Share { part: center.instance, coverage: 1.0 };
-            }
-            self.dark[pixel] = center.dark;
-            self.lit[pixel] = center.lit;
-            self.open[pixel] = center.open;
-            self.see_through[pixel] = center.flags & SEE_THROUGH != 0;
-        }
+        });
+    }
+
+    /// The pixels' places in bands.
+    fn bands(&mut self, first: usize, count: usize) -> impl Iterator<Item = Band<'_>> {
+        let Film { depth, normal, part, face, uv, curvature, albedo, matte, .. } = &mut self.film;
+        let mut rest = Band {
+            depth,
+            normal,
+            part,
+            face,
+            uv,
+            curvature,
+            albedo,
+            matte,
+            dark: &mut self.dark,
+            lit: &mut self.lit,
+            open: &mut self.open,
+            see_through: &mut self.see_through,
+        };
+        rest.split_off(first);
+        let mut rest = rest.split_off(count);
+        std::iter::from_fn(move || {
+            let band = rest.split_off(PIXELS_PER_BAND);
+            (!band.open.is_empty()).then_some(band)
+        })
     }
 
     /// Points that the pixels show, from `origin`; 0 where nothing is.
@@ -136,9 +154,80 @@ impl<'a> Centers<'a> {
     }
 }
 
-/// What the layer of curvatures has where a centre is; 0 where nothing is, and on caps.
+/// Some pixels' places in the arrays of [`Centers`]; those of layers that it has not are empty.
+struct Band<'a> {
+    depth: &'a mut [f32],
+    normal: &'a mut [[f32; 3]],
+    part: &'a mut [u32],
+    face: &'a mut [u32],
+    uv: &'a mut [[f32; 2]],
+    curvature: &'a mut [[f32; 2]],
+    albedo: &'a mut [[f32; 3]],
+    matte: &'a mut [[Share; RANKS]],
+    dark: &'a mut [[f32; 3]],
+    lit: &'a mut [[f32; 3]],
+    open: &'a mut [f32],
+    see_through: &'a mut [bool],
+}
+
+impl Band<'_> {
+    /// The first pixels, which are taken off.
+    fn split_off(&mut self, pixels: usize) -> Self {
+        Self {
+            depth: split_off(&mut self.depth, pixels),
+            normal: split_off(&mut self.normal, pixels),
+            part: split_off(&mut self.part, pixels),
+            face: split_off(&mut self.face, pixels),
+            uv: split_off(&mut self.uv, pixels),
+            curvature: split_off(&mut self.curvature, pixels),
+            albedo: split_off(&mut self.albedo, pixels),
+            matte: split_off(&mut self.matte, pixels),
+            dark: split_off(&mut self.dark, pixels),
+            lit: split_off(&mut self.lit, pixels),
+            open: split_off(&mut self.open, pixels),
+            see_through: split_off(&mut self.see_through, pixels),
+        }
+    }
+
+    /// Tells what pixel `pixel` of the band shows.
+    fn put(&mut self, scene: &Scene<'_>, pixel: usize, center: &Center, behind: f64) {
+        self.depth[pixel] = (behind + f64::from(center.depth)) as f32;
+        self.normal[pixel] = center.normal;
+        self.part[pixel] = center.instance;
+        let is_cap = center.flags & CAP != 0;
+        self.face[pixel] = if is_cap { 0 } else { center.face };
+        let (instance, face) = (center.instance - 1, center.face - 1);
+        if let (Some(found), false) = (self.uv.get_mut(pixel), is_cap) {
+            let uv = surface_parameters(scene, face, center.net, center.uv);
+            *found = uv.map(|parameter| parameter as f32);
+        }
+        if let Some(found) = self.curvature.get_mut(pixel) {
+            *found = curvature_at(scene, center);
+        }
+        if let Some(found) = self.albedo.get_mut(pixel) {
+            *found = hit_material(scene, instance, face).rgb;
+        }
+        if let Some(found) = self.matte.get_mut(pixel) {
+            found[0] = Share { part: center.instance, coverage: 1.0 };
+        }
+        self.dark[pixel] = center.dark;
+        self.lit[pixel] = center.lit;
+        self.open[pixel] = center.open;
+        self.see_through[pixel] = center.flags & SEE_THROUGH != 0;
+    }
+}
+
+/// The first elements, as many as there are, which are taken off.
+fn split_off<'a, T>(from: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let all = std::mem::take(from);
+    let (first, rest) = all.split_at_mut(count.min(all.len()));
+    *from = rest;
+    first
+}
+
+/// What the layer of curvatures has where a centre is on something; 0 on caps.
 fn curvature_at(scene: &Scene<'_>, center: &Center) -> [f32; 2] {
-    if center.instance == 0 || center.flags & CAP != 0 {
+    if center.flags & CAP != 0 {
         return [0.0; 2];
     }
     let &Center { net, uv, normal, .. } = center;
@@ -210,13 +299,14 @@ pub fn paint<E>(
 /// The colours as the centres have them.
 fn color_centers(centers: &mut Centers<'_>) {
     let Centers { film, dark, lit, open, .. } = centers;
-    for (pixel, color) in film.color.iter_mut().enumerate() {
-        if film.part[pixel] != 0 {
-            let [dark, lit, open] = [dark[pixel], lit[pixel], [open[pixel]; 3]];
-            let mixed = [0, 1, 2].map(|k| dark[k] + (lit[k] - dark[k]) * open[k]);
-            *color = [mixed[0], mixed[1], mixed[2], 1.0];
-        }
-    }
+    let part = &film.part;
+    film.color.par_iter_mut().enumerate().filter(|&(pixel, _)| part[pixel] != 0).for_each(
+        |(pixel, color)| {
+            let (dark, lit) = (dark[pixel], lit[pixel]);
+            let [r, g, b] = [0, 1, 2].map(|k| dark[k] + (lit[k] - dark[k]) * open[pixel]);
+            *color = [r, g, b, 1.0];
+        },
+    );
 }
 
 /// The pixels to the left, to the right, above and below.

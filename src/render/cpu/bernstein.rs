@@ -1,6 +1,7 @@
 //! Bernstein basis functions in arrays of fixed size, as a shader needs them, and the nets that they weigh.
 
 use super::Kernel;
+use super::lanes::Octet;
 use super::vector::Vector3;
 use crate::numeric::Real;
 use crate::scene::{Net, Scene};
@@ -8,7 +9,7 @@ use crate::scene::{Net, Scene};
 /// One more than the highest degree of a net.
 pub const MAX_ORDER: usize = 26;
 
-/// The basis functions of `degree` at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high
+/// The basis functions of `degree`, at least 1, at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high
 /// degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
 #[inline(always)]
 pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
@@ -18,21 +19,16 @@ pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T
     basis[0] = T::ONE;
     for n in 1..degree {
         let mut left = T::ZERO;
-        for i in 0..n {
-            let value = basis[i];
-            basis[i] = left + s * value;
-            left = t * value;
+        for value in &mut basis[..=n] {
+            (*value, left) = (left + s * *value, t * *value);
         }
-        basis[n] = left;
     }
     // The last step also gives the derivatives: n (Bᵢ₋₁ⁿ⁻¹ − Bᵢⁿ⁻¹).
     let factor = T::from_f32(degree as f32);
     let mut before = T::ZERO;
-    for i in 0..=degree {
-        let value = if i < degree { basis[i] } else { T::ZERO };
-        slopes[i] = factor * (before - value);
-        basis[i] = t * before + s * value;
-        before = value;
+    for (value, slope) in basis[..=degree].iter_mut().zip(&mut slopes) {
+        *slope = factor * (before - *value);
+        (*value, before) = (t * before + s * *value, *value);
     }
     (basis, slopes)
 }
@@ -57,7 +53,7 @@ pub fn net_degrees(net: &Net) -> (usize, usize) {
 /// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
 pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [T; 2]) -> NetJet<T> {
     let degrees = net_degrees(net);
-    // Degrees that are known when this is compiled leave no loop: nearly all nets have these.
+    // Degrees that are known when this is compiled leave no loops: nearly all nets have these, or one of them.
     match degrees {
         (3, 3) => net_jet_within::<T, 4>(scene, net, (3, 3), about, uv),
         (2, 2) => net_jet_within::<T, 4>(scene, net, (2, 2), about, uv),
@@ -67,7 +63,12 @@ pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [
         (3, 1) => net_jet_within::<T, 4>(scene, net, (3, 1), about, uv),
         (2, 3) => net_jet_within::<T, 4>(scene, net, (2, 3), about, uv),
         (3, 2) => net_jet_within::<T, 4>(scene, net, (3, 2), about, uv),
-        (0..=3, 0..=3) => net_jet_within::<T, 4>(scene, net, degrees, about, uv),
+        (u @ 0..=11, 3) => net_jet_within::<T, 12>(scene, net, (u, 3), about, uv),
+        (u @ 0..=11, 5) => net_jet_within::<T, 12>(scene, net, (u, 5), about, uv),
+        (u @ 0..=11, 8) => net_jet_within::<T, 12>(scene, net, (u, 8), about, uv),
+        (u @ 0..=11, 9) => net_jet_within::<T, 12>(scene, net, (u, 9), about, uv),
+        (u @ 0..=11, 10) => net_jet_within::<T, 12>(scene, net, (u, 10), about, uv),
+        (u @ 0..=11, 11) => net_jet_within::<T, 12>(scene, net, (u, 11), about, uv),
         (0..=11, 0..=11) => net_jet_within::<T, 12>(scene, net, degrees, about, uv),
         _ => net_jet_within::<T, MAX_ORDER>(scene, net, degrees, about, uv),
     }
@@ -84,26 +85,26 @@ fn net_jet_within<T: Kernel, const ORDER: usize>(
 ) -> NetJet<T> {
     let (basis_u, slope_u) = basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
     let (basis_v, slope_v) = basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
+    let four = |x: T| [x; 4];
     let shift = [about.x, about.y, about.z, T::ZERO];
-    let zero = [T::ZERO; 4];
-    let mut jet = NetJet { value: zero, by_u: zero, by_v: zero };
-    let mut index = net.first_point as usize;
-    for i in 0..=degree_u {
-        let (mut row, mut row_v) = (zero, zero);
-        for j in 0..=degree_v {
-            let p = T::net_point(scene, index);
-            index += 1;
-            for k in 0..4 {
-                let moved = p[k] - shift[k] * p[3];
-                row[k] += moved * basis_v[j];
-                row_v[k] += moved * slope_v[j];
-            }
-        }
-        for k in 0..4 {
-            jet.value[k] += row[k] * basis_u[i];
-            jet.by_u[k] += row[k] * slope_u[i];
-            jet.by_v[k] += row_v[k] * basis_u[i];
-        }
+    let shift = T::Octet::of(shift, shift);
+    let mut weights = [T::Octet::all(T::ZERO); ORDER];
+    for (both, (&weight, &slope)) in weights[..=degree_v].iter_mut().zip(basis_v.iter().zip(&slope_v)) {
+        *both = T::Octet::of(four(weight), four(slope));
     }
-    jet
+    // The rows' values, and beside them their derivatives by v; times the basis functions of u, and times their slopes.
+    let (mut values, mut slopes) = (T::Octet::all(T::ZERO), T::Octet::all(T::ZERO));
+    let mut rest = &T::net_points(scene)[net.first_point as usize..];
+    for (&weight, &slope) in basis_u[..=degree_u].iter().zip(&slope_u) {
+        let (points, below) = rest.split_at(degree_v + 1);
+        rest = below;
+        let mut row = T::Octet::all(T::ZERO);
+        for (p, &both) in points.iter().zip(&weights) {
+            row += (T::Octet::of(*p, *p) - shift * T::Octet::all(p[3])) * both;
+        }
+        values += row * T::Octet::all(weight);
+        slopes += row * T::Octet::all(slope);
+    }
+    let ([value, by_v], [by_u, _]) = (values.halves(), slopes.halves());
+    NetJet { value, by_u, by_v }
 }

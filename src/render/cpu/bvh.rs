@@ -3,6 +3,8 @@
 //! The node test is conservative: the slabs are widened by the rounding error of their own computation, so flat boxes, rays in a box's
 //! plane and rays along an axis lose nothing. The stack cannot overflow: `scene::validate` bounds the depth by [`STACK_SIZE`].
 
+use super::Kernel;
+use super::lanes::AxisTerms;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::scene::{BvhNode, Scene};
@@ -73,38 +75,13 @@ pub fn start_walk(first_node: u32, node_count: u32, first_primitive: u32) -> Wal
 }
 
 /// The next primitive word whose box the ray meets between `near` and `far` (both counted from the ray's origin).
-///
-/// Eight children are eight lanes of AVX2, where the processor has it; both texts are the same, and so are their roundings.
-#[inline]
-pub fn next_primitive<T: Real>(
+pub fn next_primitive<T: Kernel>(
     walk: &mut Walk,
     scene: &Scene<'_>,
     ray: &BvhRay<T>,
     near: T,
     far: T,
 ) -> Option<u32> {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has what the function is compiled for.
-        return unsafe { next_primitive_avx2(walk, scene, ray, near, far) };
-    }
-    walk_on(walk, scene, ray, near, far)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn next_primitive_avx2<T: Real>(
-    walk: &mut Walk,
-    scene: &Scene<'_>,
-    ray: &BvhRay<T>,
-    near: T,
-    far: T,
-) -> Option<u32> {
-    walk_on(walk, scene, ray, near, far)
-}
-
-#[inline(always)]
-fn walk_on<T: Real>(walk: &mut Walk, scene: &Scene<'_>, ray: &BvhRay<T>, near: T, far: T) -> Option<u32> {
     loop {
         if walk.primitives[1] != 0 {
             let bit = 31 - walk.primitives[1].leading_zeros();
@@ -138,20 +115,8 @@ fn walk_on<T: Real>(walk: &mut Walk, scene: &Scene<'_>, ray: &BvhRay<T>, near: T
 
 /// The children met: inner nodes from bit 24 up in octant order, primitives below.
 #[inline(always)]
-pub fn intersect_node<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
-    let x = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
-    let y = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
-    let z = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
-    let mut span = ([near; 8], [far; 8]);
-    narrow(&mut span, order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x), x);
-    narrow(&mut span, order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y), y);
-    narrow(&mut span, order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z), z);
-    let (enter, leave) = span;
-    // Whether a child is met cannot be foreseen: the answers are gathered without branches.
-    let mut met = 0;
-    for child in 0..8 {
-        met |= u32::from(enter[child] <= leave[child]) << child;
-    }
+fn intersect_node<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
+    let met = T::children_met(node, ray, axes_terms(node, ray), near, far);
     let inner = met & u32::from(node.imask);
     let mut hits = in_octant_order(inner, ray.octant) << 24;
     let mut others = met & !inner;
@@ -161,21 +126,6 @@ pub fn intersect_node<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T)
         others &= others - 1;
     }
     hits
-}
-
-/// Cuts the spans of eight children along one axis. A plain loop: the compiler takes four or eight children at a time.
-#[inline(always)]
-fn narrow<T: Real>(
-    (enter, leave): &mut ([T; 8], [T; 8]),
-    (low, high): (&[u8; 8], &[u8; 8]),
-    [to_near, to_far, scale]: [T; 3],
-) {
-    for child in 0..8 {
-        let first = T::from_f32(f32::from(low[child])) * scale + to_near;
-        let last = T::from_f32(f32::from(high[child])) * scale + to_far;
-        enter[child] = if first > enter[child] { first } else { enter[child] };
-        leave[child] = if last < leave[child] { last } else { leave[child] };
-    }
 }
 
 /// Moves bit `i` of eight to `i ^ octant`.
@@ -190,24 +140,21 @@ fn in_octant_order(bits: u32, octant: u32) -> u32 {
     bits
 }
 
-/// Along one axis: where on the ray plane 0 lies, early and late, and how far apart planes lie.
-///
 /// A plane's position takes five roundings of terms no greater than `|origin| + |p − origin| + 255 · spacing`: early and late differ from
 /// the rounded value by 8 ε of that sum.
 #[inline(always)]
-fn axis_terms<T: Real>(p: f32, exponent: u8, origin: T, inverse: T) -> [T; 3] {
-    let spacing = T::from_f32(f32::from_bits(u32::from(exponent) << 23));
-    let start = T::from_f32(p) - origin;
-    let slack = (origin.abs() + start.abs() + spacing * number(255.0))
-        * inverse.abs()
-        * number::<T>(8.0)
-        * T::EPSILON;
-    [start * inverse - slack, start * inverse + slack, spacing * inverse]
-}
-
-#[inline(always)]
-fn order<'a>(forward: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> (&'a [u8; 8], &'a [u8; 8]) {
-    if forward { (min, max) } else { (max, min) }
+pub fn axes_terms<T: Real>(node: &BvhNode, ray: &BvhRay<T>) -> [AxisTerms<T>; 3] {
+    let (origin, inverse) = (ray.origin.to_array(), ray.inverse.to_array());
+    std::array::from_fn(|axis| {
+        let (origin, inverse) = (origin[axis], inverse[axis]);
+        let spacing = T::from_f32(f32::from_bits(u32::from(node.e[axis]) << 23));
+        let start = T::from_f32(node.p[axis]) - origin;
+        let slack = (origin.abs() + start.abs() + spacing * number(255.0))
+            * inverse.abs()
+            * number::<T>(8.0)
+            * T::EPSILON;
+        [start * inverse - slack, start * inverse + slack, spacing * inverse]
+    })
 }
 
 #[cfg(test)]

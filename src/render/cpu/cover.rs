@@ -2,7 +2,7 @@
 
 use super::footprint::Footprint;
 use super::trim::{trim_inside, trim_point};
-use super::vector::number;
+use super::vector::{Vector3, number};
 use crate::numeric::Real;
 use crate::scene::{Face, Scene};
 
@@ -36,7 +36,8 @@ pub fn is_far_outside<T: Real>(uv: [T; 2]) -> bool {
     !uv.iter().all(|&x| x > -half && x < T::ONE + half)
 }
 
-/// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face.
+/// How a hit at the normalised parameters `at` (already wrapped, rounded by `margin` at most) lies to a face. `sides` tells those of the ray's direction, in
+/// the space of the footprint.
 pub fn cover<T: Real>(
     scene: &Scene<'_>,
     face: &Face,
@@ -44,6 +45,7 @@ pub fn cover<T: Real>(
     at: [T; 2],
     margin: [T; 2],
     footprint: &Footprint<T>,
+    sides: impl FnOnce() -> [Vector3<T>; 2],
 ) -> Cover {
     let extent = footprint.extent();
     let reach = [extent[0] + margin[0], extent[1] + margin[1]];
@@ -60,16 +62,19 @@ pub fn cover<T: Real>(
     if !(center.is_near || is_near_end(0) || is_near_end(1)) {
         return if is_inside { Cover::Inside } else { Cover::Outside };
     }
+    if face.flags & Face::ALONE != 0 {
+        return if is_inside { Cover::Border } else { Cover::Outside };
+    }
+    let sides = sides();
     let belongs = |side: usize| {
-        let [u, v] = footprint.place(at, side);
+        let [u, v] = footprint.place(at, sides, side);
         let place = [to_window(u, period[0]), to_window(v, period[1])];
         in_window(place) && trim_inside(scene, face.trim_root, clamped(place))
     };
-    let is_alone = face.flags & Face::ALONE != 0;
     match is_inside {
-        true if !is_alone && (0..4).all(belongs) => Cover::Near,
+        true if (0..4).all(belongs) => Cover::Near,
         true => Cover::Border,
-        false if !is_alone && (0..4).any(belongs) => Cover::Border,
+        false if (0..4).any(belongs) => Cover::Border,
         false => Cover::Outside,
     }
 }

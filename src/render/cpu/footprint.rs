@@ -18,11 +18,11 @@ const SHALLOW: f64 = 4.0;
 /// No footprint is longer than this many slacks: nearer to a tangent the surface's bend ends it.
 pub const LONGEST: f64 = 4096.0;
 
-/// Parameter offsets.
+/// How the surface's parameters change with a ray that is moved sideways by the slack.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Footprint<T> {
-    /// Of a ray moved by the slack in two directions at right angles.
-    pub beside: [[T; 2]; 2],
+    /// Of u and of v, at right angles to the ray: a ray moved by the slack in the direction o meets the surface at the product with o away.
+    pub slopes: [Vector3<T>; 2],
     /// Of the angle between the ray and `S_u × S_v`; 0 where that is not known.
     pub cosine: T,
     /// Whether the ray is too near to a tangent to be sure how often it meets the surface here.
@@ -32,22 +32,22 @@ pub struct Footprint<T> {
 impl<T: Real> Footprint<T> {
     /// In parameters that are `scale` times as great.
     pub fn scaled(self, scale: [T; 2]) -> Self {
-        Self { beside: self.beside.map(|[u, v]| [u * scale[0], v * scale[1]]), ..self }
+        let [by_u, by_v] = self.slopes;
+        Self { slopes: [by_u * scale[0], by_v * scale[1]], ..self }
     }
 
     /// Half the sides of the box around the places at all sides of the ray; at most a quarter of the unit of parameters.
     pub fn extent(self) -> [T; 2] {
-        let [a, b] = self.beside;
         let quarter = number::<T>(0.25);
-        [0, 1].map(|k| {
-            let extent = (a[k] * a[k] + b[k] * b[k]).sqrt();
+        self.slopes.map(|slope| {
+            let extent = slope.length();
             if extent < quarter { extent } else { quarter }
         })
     }
 
-    /// The place `side` of four around `uv`.
-    pub fn place(self, uv: [T; 2], side: usize) -> [T; 2] {
-        let [u, v] = self.beside[side >> 1];
+    /// The place `side` of four around `uv`; `sides` are those of the ray's direction.
+    pub fn place(self, uv: [T; 2], sides: [Vector3<T>; 2], side: usize) -> [T; 2] {
+        let [u, v] = self.slopes.map(|slope| slope.dot(sides[side >> 1]));
         if side & 1 == 0 { [uv[0] + u, uv[1] + v] } else { [uv[0] - u, uv[1] - v] }
     }
 }
@@ -62,10 +62,9 @@ pub fn sides<T: Real>(direction: Vector3<T>) -> [Vector3<T>; 2] {
 }
 
 /// The footprint where a ray of any length of `direction` meets a surface with the tangents `s_u` and `s_v` and a normal curvature of at most
-/// `curvature`. `sides` are those of the direction, in the tangents' space.
+/// `curvature`.
 pub fn footprint<T: Real>(
     direction: Vector3<T>,
-    sides: [Vector3<T>; 2],
     s_u: Vector3<T>,
     s_v: Vector3<T>,
     curvature: T,
@@ -83,15 +82,21 @@ pub fn footprint<T: Real>(
     let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
     let least = steepness * number(1.0 / LONGEST);
     let share = slack / if cosine > number(1.0 / LONGEST) { determinant } else { least };
-    let beside = sides.map(|o| [o.dot(by_u) * share, o.dot(by_v) * share]);
-    Footprint { beside, cosine: facing, is_grazing }
+    Footprint { slopes: [by_u * share, by_v * share], cosine: facing, is_grazing }
 }
 
-/// The footprint at a pole, which takes in all of the way around; `axis` is the parameter that leads away from it, with the tangent `across`.
-pub fn pole_footprint<T: Real>(axis: usize, across: Vector3<T>, slack: T) -> Footprint<T> {
-    let (around, off) = (number::<T>(0.25), slack / across.length());
-    let place = |off: T| if axis == 0 { [off, around] } else { [around, off] };
-    Footprint { beside: [place(off), place(-off)], cosine: T::ZERO, is_grazing: true }
+/// The footprint at a pole, which takes in all of the way around; `axis` is the parameter that leads away from it, with the tangent `across`. Of the ray's two
+/// sides the one and the other lie a quarter of the unit along the pole, one of them away from it and one beyond it.
+pub fn pole_footprint<T: Real>(
+    axis: usize,
+    [first, second]: [Vector3<T>; 2],
+    across: Vector3<T>,
+    slack: T,
+) -> Footprint<T> {
+    let off = (first - second) * (slack / across.length());
+    let around = (first + second) * number(0.25);
+    let slopes = if axis == 0 { [off, around] } else { [around, off] };
+    Footprint { slopes, cosine: T::ZERO, is_grazing: true }
 }
 
 /// Whether two hits of one face, `apart` along the ray, are at one place as far as the face's slack tells, and from one side. The cosines are those of the ray
@@ -123,17 +128,38 @@ mod tests {
         let (s_u, s_v) = (Vector3::<f64>::from_f64([2.0, 0.0, 0.5]), Vector3::from_f64([1.0, 3.0, 0.0]));
         let d = Vector3::from_f64([0.3, -0.2, 4.0]);
         let o = sides(d);
-        let found = footprint(d, o, s_u, s_v, 0.0, 0.25);
+        let found = footprint(d, s_u, s_v, 0.0, 0.25);
         assert!(!found.is_grazing);
         for side in 0..4 {
-            let [u, v] = found.place([0.0; 2], side);
+            let [u, v] = found.place([0.0; 2], o, side);
             let moved = o[side >> 1] * (if side & 1 == 0 { 0.25 } else { -0.25 });
             let off = s_u * u + s_v * v - moved;
             assert!(off.cross(d).length() < 1e-14 * d.length(), "{off:?}");
         }
-        let along = footprint(s_u + s_v, sides(s_u + s_v), s_u, s_v, 0.0, 0.25);
+        // However the sides are turned about the ray, the farthest place is at the extent.
+        let reach = |turn: f64| {
+            let side = o[0] * turn.cos() + o[1] * turn.sin();
+            found.slopes.map(|slope| slope.dot(side))
+        };
+        let farthest = |k: usize| (0..1000).map(|i| reach(f64::from(i) * 0.00628)[k]).fold(0.0, f64::max);
+        for k in 0..2 {
+            assert!((farthest(k) - found.extent()[k]).abs() < 1e-5 * farthest(k), "{k}");
+        }
+        let along = footprint(s_u + s_v, s_u, s_v, 0.0, 0.25);
         assert!(along.is_grazing && along.extent().iter().all(|e| e.is_finite()));
         assert!(along.cosine.abs() < 1e-12 && found.cosine > 0.9);
+    }
+
+    #[test]
+    fn places_at_a_pole_lie_around_it_on_both_sides() {
+        let (d, across) = (Vector3::<f64>::from_f64([0.1, 0.2, 1.0]), Vector3::from_f64([2.0, 0.0, 0.0]));
+        let o = sides(d);
+        let at_pole = pole_footprint(0, o, across, 0.5);
+        let expected = [[0.25, 0.75], [-0.25, 0.25], [-0.25, 0.75], [0.25, 0.25]];
+        for (side, expected) in expected.into_iter().enumerate() {
+            let place = at_pole.place([0.0, 0.5], o, side);
+            assert!((0..2).all(|k| (place[k] - expected[k]).abs() < 1e-15), "{side}: {place:?}");
+        }
     }
 
     #[test]

@@ -193,16 +193,39 @@ pub fn bend_at_pole<T: Real>(at: &LeafRay<'_, T>, across: T) -> T {
     T::ONE.min(T::from_f32([degree_u, degree_v][at.pole.axis] as f32) * across)
 }
 
-/// Looks at a cell, at whose middle the net has the value and the derivatives of `jet`.
-pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Verdict<T> {
-    let planes = &at.planes;
+/// What all cells of a leaf have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct LeafBounds<T> {
+    /// Of the second derivatives, see [`leaf_bend`].
+    bend: T,
+    /// How long the vectors of the two planes are.
+    plane_norms: [T; 2],
+    /// Of plane values.
+    rounding: T,
+}
+
+/// The bounds of a leaf.
+pub fn leaf_bounds<T: Real>(at: &LeafRay<'_, T>) -> LeafBounds<T> {
     let a = Vector3::<T>::from_f32(at.leaf.tangent_u);
     let b = Vector3::<T>::from_f32(at.leaf.tangent_v);
-    let bend = leaf_bend(at.leaf, a, b);
-    let plane_norms = [plane_norm(planes, [T::ONE, T::ZERO]), plane_norm(planes, [T::ZERO, T::ONE])];
     let center = Vector3::<T>::from_f32(at.leaf.center);
     let size = center.greatest() + at.ray.origin.greatest() + a.greatest() + b.greatest();
-    let rounding = size * number::<T>(32.0) * T::EPSILON;
+    LeafBounds {
+        bend: leaf_bend(at.leaf, a, b),
+        plane_norms: [[T::ONE, T::ZERO], [T::ZERO, T::ONE]].map(|plane| plane_norm(&at.planes, plane)),
+        rounding: size * number::<T>(32.0) * T::EPSILON,
+    }
+}
+
+/// Looks at a cell, at whose middle the net has the value and the derivatives of `jet`.
+pub fn examine<T: Real>(
+    jet: &NetJet<T>,
+    at: &LeafRay<'_, T>,
+    bounds: &LeafBounds<T>,
+    cell: Cell,
+) -> Verdict<T> {
+    let planes = &at.planes;
+    let &LeafBounds { bend, plane_norms, rounding } = bounds;
     // A little more than the cell, so that roots on its edges are in it.
     let reach = cell.cell_radius::<T>().map(|radius| radius * number(1.0 + 1.0 / 64.0));
     let [f, f_s, f_t] = plane_jet(planes, jet, [0, 1].map(|k| at.domain.size[k] * reach[k]));
@@ -224,7 +247,9 @@ pub fn examine<T: Real>(jet: &NetJet<T>, at: &LeafRay<'_, T>, cell: Cell) -> Ver
         let axis = at.pole.axis;
         let across = reach[axis] + reach[axis];
         // In bands that are not eight times as wide as what is left open the quarters could not be told apart.
-        let is_small = [a, b][axis].length() * across <= (at.slack + rounding) * number(8.0);
+        let tangent = [at.leaf.tangent_u, at.leaf.tangent_v][axis];
+        let is_small =
+            Vector3::<T>::from_f32(tangent).length() * across <= (at.slack + rounding) * number(8.0);
         return if is_small || cell.level[axis] == MAX_POLE_LEVEL {
             Verdict::Search { start: middle, kind: SearchKind::Open, across }
         } else {

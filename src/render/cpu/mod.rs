@@ -24,6 +24,7 @@ pub(super) mod frames;
 mod heat;
 pub(super) mod hit;
 mod isolate;
+mod lanes;
 pub(super) mod light;
 mod net;
 mod occlusion;

@@ -9,7 +9,7 @@ use super::Kernel;
 use super::bernstein::{NetJet, net_jet};
 use super::footprint::{Footprint, footprint, pole_footprint, same_place, sides};
 use super::isolate::{
-    Cell, MAX_ISOLATION_CELLS, Pole, SearchKind, Verdict, bend_at_pole, examine, leaf_pole,
+    Cell, MAX_ISOLATION_CELLS, Pole, SearchKind, Verdict, bend_at_pole, examine, leaf_bounds, leaf_pole,
 };
 use super::planes::{RayPlanes, plane_jet, ray_planes};
 use super::ray_space::PrimitiveRay;
@@ -135,10 +135,11 @@ pub fn leaf_roots<T: Kernel>(
 
 /// Searches the leaf cell by cell.
 fn isolate<T: Kernel>(scene: &Scene<'_>, at: &LeafRay<'_, T>, roots: &mut NetRoots<T>) {
+    let bounds = leaf_bounds(at);
     let mut cell = Cell::default();
     for _ in 0..MAX_ISOLATION_CELLS {
         let jet = net_jet(scene, at.net, at.ray.origin, cell.cell_center(at));
-        match examine(&jet, at, cell) {
+        match examine(&jet, at, &bounds, cell) {
             Verdict::Split(quarters) => {
                 cell = cell.first_part(at.pole, quarters);
                 continue;
@@ -267,10 +268,10 @@ fn search<T: Kernel>(
     let [s_u, s_v] = tangents.map(|tangent| tangent * (T::ONE / jet.value[3]));
     let from_origin = point + s_u * moved[0] + s_v * moved[1];
     let curvature = root_curvature(s_u * domain.size[0], s_v * domain.size[1], bend);
-    let mut footprint = footprint(ray.direction, sides(ray.direction), s_u, s_v, curvature, *slack);
+    let mut footprint = footprint(ray.direction, s_u, s_v, curvature, *slack);
     let axis = at.pole.axis;
     if at.pole.exists && [s_v, s_u][axis].length() <= *slack * number(4.0) {
-        footprint = pole_footprint(axis, [s_u, s_v][axis], *slack);
+        footprint = pole_footprint(axis, sides(ray.direction), [s_u, s_v][axis], *slack);
     }
     footprint.is_grazing |= !converged;
     let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };

@@ -12,8 +12,6 @@ use rayon::prelude::*;
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Pixels per unit of work.
-const PIXELS_PER_TASK: usize = 1024;
 /// Pixels that are refined at a time, which is what bounds the memory for it.
 const MOST_REFINED: usize = 1 << 16;
 
@@ -27,23 +25,16 @@ pub fn render(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Film {
     let window = with_margin(options);
-    let pixels: Vec<u32> = (0..(window.width * window.height) as u32).collect();
+    let pixels = window.width * window.height;
     let done = AtomicUsize::new(0);
-    let tell = |more: usize| progress(done.fetch_add(more, Ordering::Relaxed) + more, pixels.len());
-    let found: Vec<Vec<Center>> = pixels
-        .par_chunks(PIXELS_PER_TASK)
-        .map(|some| {
-            let found = find_centers(scene, camera, options, some);
-            tell(some.len());
-            found
-        })
-        .collect();
+    let tell = |more: usize| progress(done.fetch_add(more, Ordering::Relaxed) + more, pixels);
     let mut centers = Centers::new(scene, camera, options);
-    let mut first = 0;
-    for found in found {
-        centers.put(first, &found, 0.0);
-        first += found.len();
-    }
+    centers.take(0, pixels, 0.0, |some| {
+        let some: Vec<u32> = some.map(|pixel| pixel as u32).collect();
+        let found = find_centers(scene, camera, options, &some);
+        tell(some.len());
+        found
+    });
     let refined = |asked: &[Refined]| Ok::<_, Infallible>(take_samples(scene, camera, options, asked));
     let mut film = paint(centers, MOST_REFINED, refined).unwrap_or_else(|never| match never {});
     options.background.put_behind(&mut film);

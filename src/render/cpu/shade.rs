@@ -93,7 +93,7 @@ pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel
     let hit = seen.hit;
     let n = visible_normal(shading, &prepared.ray, &seen);
     let material = hit_material(scene, hit.instance, hit.face);
-    let light = |open: f32| seen_light(shading, &prepared.ray, &seen, n, &material, open);
+    let light = seen_light(shading, &prepared.ray, &seen, n, &material);
     if shading.options.ambient_occlusion {
         center.open = openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, 0, 1));
     }
@@ -143,7 +143,7 @@ pub fn shade_sample(
         let hit = seen.hit;
         let material = hit_material(scene, hit.instance, hit.face);
         let n = visible_normal(shading, &prepared.ray, &seen);
-        let light = |open: f32| seen_light(shading, &prepared.ray, &seen, n, &material, open);
+        let light = seen_light(shading, &prepared.ray, &seen, n, &material);
         let mut open = 1.0;
         if layer == 1 {
             shaded.lit = Some(light(1.0));
@@ -235,34 +235,55 @@ pub(super) fn surface_offset(scene: &Scene<'_>) -> f32 {
     (scene_radius(scene.header) * SURFACE_OFFSET) as f32
 }
 
-/// The light that what is seen sends back along the ray.
-fn seen_light(
-    shading: &Shading<'_, '_>,
+/// The light that what is seen sends back along the ray, by the share of the sky that it sees.
+fn seen_light<'a>(
+    shading: &'a Shading<'_, '_>,
     ray: &WorldRay<f32>,
     seen: &Seen,
     n: Vector3<f32>,
-    material: &Material,
-    open: f32,
-) -> [f32; 3] {
-    let lit = shade_surface(&shading.lights, n, -ray.direction, material, open);
-    match &shading.section {
+    material: &'a Material,
+) -> impl Fn(f32) -> [f32; 3] + 'a {
+    let share = match &shading.section {
         Some(section) if seen.cap != NO_PLANE => {
             let step = shading.scene.header.grid_step as f32;
             let origin = super::frames::grid_position(ray.grid, step) + ray.fraction;
             let point = origin + ray.direction * seen.hit.distance.beyond(0.0);
-            let share = hatch(section_plane(section, seen.cap), point, seen.hit.instance);
-            lit.map(|light| light * share)
+            hatch(section_plane(section, seen.cap), point, seen.hit.instance)
         }
-        _ => lit,
+        _ => 1.0,
+    };
+    let view = -ray.direction;
+    let highlights = highlights(&shading.lights, n, view, material);
+    move |open| {
+        shade_surface(&shading.lights, n, view, material, &highlights, open).map(|light| light * share)
+    }
+}
+
+/// What does not depend on the sky that a surface sees: for the key and the fill light how much the coat gleams, and how much metal mirrors.
+struct Highlights {
+    gleam: [f32; 2],
+    mirror: [f32; 2],
+}
+
+fn highlights(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, material: &Material) -> Highlights {
+    let gloss = gloss_of(material.roughness);
+    // However smooth the surface, the lights are as wide as they are.
+    let width = gloss / (1.0 + gloss / METAL_BOX);
+    let both = [lights.key, lights.fill];
+    let is_metal = material.metallic > 0.0;
+    Highlights {
+        gleam: both.map(|light| specular(n, view, light, gloss)),
+        mirror: both.map(|light| if is_metal { lobe(n, view, light, width) } else { 0.0 }),
     }
 }
 
 /// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
-pub fn shade_surface(
+fn shade_surface(
     lights: &Lights,
     n: Vector3<f32>,
     view: Vector3<f32>,
     material: &Material,
+    highlights: &Highlights,
     open: f32,
 ) -> [f32; 3] {
     // The key and the fill are large soft boxes: what is enclosed sees less of them too, though not as much less.
@@ -273,10 +294,8 @@ pub fn shade_surface(
     let facing = n.dot(view).clamp(0.0, 1.0);
     let grazing = (1.0 - facing) * (1.0 - facing);
     let rim = grazing * grazing * (1.0 - facing) * open;
-    let gloss = gloss_of(material.roughness);
-    let gleam =
-        specular(n, view, lights.key, gloss) * soft + 0.25 * specular(n, view, lights.fill, gloss) * soft;
-    let mirrored = mirrored(lights, n, view, gloss, open);
+    let gleam = highlights.gleam[0] * soft + 0.25 * highlights.gleam[1] * soft;
+    let mirrored = mirrored(lights, n, view, highlights.mirror, open);
     let mut out = [0.0; 3];
     for k in 0..3 {
         let ambient = (AMBIENT_DOWN[k] + (AMBIENT_UP[k] - AMBIENT_DOWN[k]) * sky) * AMBIENT_WEIGHT * open;
@@ -289,14 +308,17 @@ pub fn shade_surface(
 }
 
 /// What a surface with normal `n` would mirror of the environment if it were of white metal.
-fn mirrored(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, gloss: f32, open: f32) -> [f32; 3] {
+fn mirrored(
+    lights: &Lights,
+    n: Vector3<f32>,
+    view: Vector3<f32>,
+    [key, fill]: [f32; 2],
+    open: f32,
+) -> [f32; 3] {
     let soft = 0.35 + 0.65 * open;
     let height = 0.5 + 0.5 * (n * (2.0 * n.dot(view)) - view).dot(lights.up);
     let sky = height * height * (3.0 - 2.0 * height);
-    // However smooth the surface, the lights are as wide as they are.
-    let width = gloss / (1.0 + gloss / METAL_BOX);
-    let key = METAL_LIGHT * lobe(n, view, lights.key, width) * soft;
-    let fill = METAL_LIGHT * lobe(n, view, lights.fill, width) * soft;
+    let (key, fill) = (METAL_LIGHT * key * soft, METAL_LIGHT * fill * soft);
     std::array::from_fn(|k| {
         let ambient = (METAL_DOWN[k] + (METAL_UP[k] - METAL_DOWN[k]) * sky) * open;
         ambient + key * KEY_COLOR[k] + fill * FILL_COLOR[k]

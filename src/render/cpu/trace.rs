@@ -200,10 +200,11 @@ fn trace_face<T: Kernel>(
         }
         let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
         let curvature = carrier_curvature(face.kind, point, face.radii);
-        let beside = sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
-        let footprint = footprint(direction, beside, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
+        let footprint = footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
         let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
-        let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint);
+        // All faces of a part are tried at the same sides.
+        let sides = || sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
+        let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint, sides);
         if cover != Cover::Outside {
             let certainty = Certainty::of(cover, footprint.is_grazing);
             far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
@@ -237,7 +238,7 @@ fn trace_leaf<T: Kernel>(
         if !is_between(distance, near, far) {
             continue;
         }
-        let cover = leaf_cover(scene, leaf, net, face, &root);
+        let cover = leaf_cover(scene, leaf, net, face, &root, ray.direction);
         if cover != Cover::Outside {
             let found = Certainty::of(cover, root.footprint.is_grazing);
             let certainty = if roots.is_cut { Certainty::Border } else { found };
@@ -255,6 +256,7 @@ fn leaf_cover<T: Kernel>(
     net: &Net,
     face: &Face,
     root: &NetRoot<T>,
+    direction: Vector3<T>,
 ) -> Cover {
     let (domain, extent) = (leaf_domain::<T>(leaf), root.footprint.extent());
     let is_own = |k: usize| {
@@ -266,7 +268,8 @@ fn leaf_cover<T: Kernel>(
     }
     let uv = face_parameters(net, face.period, root.uv);
     let footprint: Footprint<T> = root.footprint.scaled(net.uv_size.map(T::from_f32));
-    cover(scene, face, face.period.map(T::from_f32), uv, [T::ZERO; 2], &footprint)
+    let period = face.period.map(T::from_f32);
+    cover(scene, face, period, uv, [T::ZERO; 2], &footprint, || sides(direction))
 }
 
 /// Normalised face parameters of a net's local ones, wrapped.

@@ -115,7 +115,9 @@ impl Gpu {
         for first in (0..count).step_by(most) {
             let pixels = first as u32..(first + most).min(count) as u32;
             progress(first, count);
-            centers.put(first, &shot.centers(pixels)?, eye_distance);
+            let found = shot.centers(pixels)?;
+            centers
+                .take(first, found.len(), eye_distance, |some| &found[some.start - first..some.end - first]);
         }
         progress(count, count);
         let mut film = paint(centers, most, |refined| shot.samples(refined))?;
