@@ -18,7 +18,7 @@ fn is_far_outside(uv: vec2<f32>) -> bool {
 }
 
 // The twin's centre and its four places are one loop here, so that the walk down the tree stands once.
-// All faces of a part are tried at the same sides of `direction`, part space, turned to the face's axes.
+// All faces of a part are tried at the same sides of `direction`, part space, turned to the face's axes; those of nets are part space's own.
 fn cover(face: u32, at: vec2<f32>, margin: vec2<f32>, print: Footprint, direction: vec3<f32>) -> u32 {
     let half_box = extent(print);
     let reach = half_box + margin;

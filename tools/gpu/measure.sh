@@ -4,7 +4,8 @@
 #   measure.sh OUT TRIMRAY [TEST_BINARY...] [-- FILE...]
 #
 # OUT is a folder for what is measured. TEST_BINARYs are built by `cargo test --release --no-run --test equivalence`; they compare the GPU with the CPU.
-# FILEs are measured beside the fixtures. Nothing is compiled here, so that the machine with the GPU needs neither Rust nor a network.
+# FILEs are measured beside the fixtures. Nothing is compiled here, so that the machine with the GPU needs neither Rust nor a network; what is built elsewhere
+# has to be built for its processor, with RUSTFLAGS="-C target-cpu=x86-64-v3".
 # Everything that fails is told, and the rest goes on. RUNS and WARM_UPS (15 and 5, as in Sloup and Havran 2021), PRIMARY, pixels and rays through each of
 # them ("1920,1080,4"), RANDOM_RAYS, random rays, and PICTURES, the files of which pictures are timed too, make it shorter.
 set -uo pipefail

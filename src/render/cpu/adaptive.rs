@@ -417,3 +417,51 @@ fn around(centers: &Centers<'_>, pixel: usize, is_uniform: bool) -> Refined {
         ..Refined::zeroed()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuffers;
+
+    /// Taken at once and in parts that end within bands, with more at the end than there are: each pixel has its own.
+    #[test]
+    fn centers_are_where_they_were_taken() {
+        let buffers = SceneBuffers::default();
+        let camera = Camera {
+            position: glam::DVec3::ZERO,
+            forward: glam::DVec3::NEG_Z,
+            right: glam::DVec3::X,
+            up: glam::DVec3::Y,
+            half_height: 1.0,
+            orthographic: true,
+        };
+        let options = RenderOptions { resolution: [70, 50], ..RenderOptions::default() };
+        let of = |some: Range<usize>| -> Vec<Center> {
+            let center = |pixel: usize| Center {
+                depth: pixel as f32,
+                open: 0.5,
+                flags: if pixel.is_multiple_of(5) { CAP } else { SEE_THROUGH },
+                instance: (pixel % 3) as u32,
+                face: pixel as u32,
+                ..Center::zeroed()
+            };
+            some.map(center).collect()
+        };
+        let scene = buffers.scene();
+        for parts in [vec![0, 3500], vec![0, 700, 1023, 1025, 3000, 3500], vec![0, 1000, 9000]] {
+            let mut centers = Centers::new(&scene, &camera, &options);
+            for ends in parts.windows(2) {
+                centers.take(ends[0], ends[1] - ends[0], 2.0, of);
+            }
+            for pixel in 0..3500 {
+                let is_there = pixel % 3 != 0;
+                let film = &centers.film;
+                assert_eq!(film.part[pixel], (pixel % 3) as u32, "{pixel}");
+                assert_eq!(film.depth[pixel], if is_there { 2.0 + pixel as f32 } else { f32::INFINITY });
+                assert_eq!(film.face[pixel], if is_there && pixel % 5 != 0 { pixel as u32 } else { 0 });
+                assert_eq!(centers.open[pixel], if is_there { 0.5 } else { 1.0 });
+                assert_eq!(centers.see_through[pixel], is_there && pixel % 5 != 0);
+            }
+        }
+    }
+}

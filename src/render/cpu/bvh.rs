@@ -4,7 +4,7 @@
 //! plane and rays along an axis lose nothing. The stack cannot overflow: `scene::validate` bounds the depth by [`STACK_SIZE`].
 
 use super::Kernel;
-use super::lanes::AxisTerms;
+use super::lanes::Octet;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::scene::{BvhNode, Scene};
@@ -116,7 +116,7 @@ pub fn next_primitive<T: Kernel>(
 /// The children met: inner nodes from bit 24 up in octant order, primitives below.
 #[inline(always)]
 fn intersect_node<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
-    let met = T::children_met(node, ray, axes_terms(node, ray), near, far);
+    let met = children_met(node, ray, near, far);
     let inner = met & u32::from(node.imask);
     let mut hits = in_octant_order(inner, ray.octant) << 24;
     let mut others = met & !inner;
@@ -126,6 +126,31 @@ fn intersect_node<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -
         others &= others - 1;
     }
     hits
+}
+
+/// A bit for each of the children whose box the ray meets between `near` and `far`, all eight at once. Products are numbers in nodes of up to 10²⁰ mm.
+#[inline(always)]
+fn children_met<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
+    let x = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
+    let y = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
+    let z = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
+    let mut span = [T::Octet::all(near), T::Octet::all(far)];
+    narrow::<T>(&mut span, order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x), x);
+    narrow::<T>(&mut span, order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y), y);
+    narrow::<T>(&mut span, order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z), z);
+    span[0].at_most(span[1])
+}
+
+/// Cuts the spans of eight children along one axis.
+#[inline(always)]
+fn narrow<T: Kernel>(
+    [enter, leave]: &mut [T::Octet; 2],
+    (low, high): (&[u8; 8], &[u8; 8]),
+    [to_near, to_far, scale]: [T; 3],
+) {
+    let at = |planes, from| T::Octet::of_bytes(planes) * T::Octet::all(scale) + T::Octet::all(from);
+    *enter = at(low, to_near).greater(*enter);
+    *leave = at(high, to_far).lesser(*leave);
 }
 
 /// Moves bit `i` of eight to `i ^ octant`.
@@ -140,26 +165,101 @@ fn in_octant_order(bits: u32, octant: u32) -> u32 {
     bits
 }
 
+/// Along one axis: where on the ray plane 0 lies, early and late, and how far apart planes lie.
+///
 /// A plane's position takes five roundings of terms no greater than `|origin| + |p − origin| + 255 · spacing`: early and late differ from
 /// the rounded value by 8 ε of that sum.
 #[inline(always)]
-pub fn axes_terms<T: Real>(node: &BvhNode, ray: &BvhRay<T>) -> [AxisTerms<T>; 3] {
-    let (origin, inverse) = (ray.origin.to_array(), ray.inverse.to_array());
-    std::array::from_fn(|axis| {
-        let (origin, inverse) = (origin[axis], inverse[axis]);
-        let spacing = T::from_f32(f32::from_bits(u32::from(node.e[axis]) << 23));
-        let start = T::from_f32(node.p[axis]) - origin;
-        let slack = (origin.abs() + start.abs() + spacing * number(255.0))
-            * inverse.abs()
-            * number::<T>(8.0)
-            * T::EPSILON;
-        [start * inverse - slack, start * inverse + slack, spacing * inverse]
-    })
+fn axis_terms<T: Real>(p: f32, exponent: u8, origin: T, inverse: T) -> [T; 3] {
+    let spacing = T::from_f32(f32::from_bits(u32::from(exponent) << 23));
+    let start = T::from_f32(p) - origin;
+    let slack = (origin.abs() + start.abs() + spacing * number(255.0))
+        * inverse.abs()
+        * number::<T>(8.0)
+        * T::EPSILON;
+    [start * inverse - slack, start * inverse + slack, spacing * inverse]
+}
+
+#[inline(always)]
+fn order<'a>(forward: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> (&'a [u8; 8], &'a [u8; 8]) {
+    if forward { (min, max) } else { (max, min) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What [`children_met`] says, child by child.
+    fn children_met_in_turn<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
+        let planes = [
+            order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x),
+            order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y),
+            order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z),
+        ];
+        let (origin, inverse) = (ray.origin.to_array(), ray.inverse.to_array());
+        let is_met = |child: usize| {
+            let (mut enter, mut leave) = (near, far);
+            for axis in 0..3 {
+                let [to_near, to_far, scale] =
+                    axis_terms(node.p[axis], node.e[axis], origin[axis], inverse[axis]);
+                let at = |plane: u8, from: T| T::from_f32(f32::from(plane)) * scale + from;
+                let (low, high) = planes[axis];
+                (enter, leave) = (enter.max(at(low[child], to_near)), leave.min(at(high[child], to_far)));
+            }
+            enter <= leave
+        };
+        (0..8).filter(|&child| is_met(child)).fold(0, |met, child| met | 1 << child)
+    }
+
+    /// Nodes and rays from a generator, rays along axes and from within boxes among them.
+    fn eight_at_once_are_those_in_turn<T: Kernel>() {
+        let mut state = 1_u32;
+        let mut next = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        let mut met = [0; 9];
+        for _ in 0..20_000 {
+            let mut boxes = || -> ([u8; 8], [u8; 8]) {
+                let low: [u8; 8] = std::array::from_fn(|_| (next() % 100) as u8);
+                (low, std::array::from_fn(|i| low[i] + (next() % 156) as u8))
+            };
+            let [x, y, z] = [boxes(), boxes(), boxes()];
+            let node = BvhNode {
+                p: [-1.0, -2.0, 0.5],
+                e: [120, 121, 119],
+                imask: 0,
+                child_base: 0,
+                primitive_base: 0,
+                child_meta: [0; 8],
+                child_min_x: x.0,
+                child_max_x: x.1,
+                child_min_y: y.0,
+                child_max_y: y.1,
+                child_min_z: z.0,
+                child_max_z: z.1,
+            };
+            let mut number = || number::<T>(f64::from(next() % 4001) / 1000.0 - 2.0);
+            let (a, b) = (vec3(number(), number(), number()), vec3(number(), number(), number()));
+            let mut direction = a - b;
+            if next() % 4 == 0 {
+                direction.y = -T::ZERO;
+            }
+            let ray = bvh_ray(b, direction);
+            let near = if next() % 2 == 0 { T::ZERO } else { -T::ONE };
+            let far = if next() % 2 == 0 { T::ONE } else { T::INFINITY };
+            let found = children_met(&node, &ray, near, far);
+            assert_eq!(found, children_met_in_turn(&node, &ray, near, far), "{node:?} {ray:?}");
+            met[found.count_ones() as usize] += 1;
+        }
+        assert!(met[0] > 100 && met[1] > 100 && met[2] > 100, "{met:?}");
+    }
+
+    #[test]
+    fn children_met_at_once_are_those_met_in_turn() {
+        eight_at_once_are_those_in_turn::<f32>();
+        eight_at_once_are_those_in_turn::<f64>();
+    }
 
     #[test]
     fn bits_go_to_their_place_in_the_octant() {

@@ -164,7 +164,7 @@ fn derivatives(scene: &Scene<'_>, net: &Net, uv: [f64; 2]) -> Derivatives {
 fn orders(degree: usize, t: f64) -> [[f64; MAX_ORDER]; 3] {
     let (basis, slopes) = basis_and_slopes::<f64, MAX_ORDER>(degree, t);
     let mut bends = [0.0; MAX_ORDER];
-    if let Some(lower) = degree.checked_sub(1) {
+    if let Some(lower) = degree.checked_sub(1).filter(|&lower| lower > 0) {
         let (_, lower_slopes) = basis_and_slopes::<f64, MAX_ORDER>(lower, t);
         let mut before = 0.0;
         for (bend, &slope) in bends.iter_mut().zip(&lower_slopes).take(degree + 1) {

@@ -3,11 +3,10 @@
 //! The f32 kernels read the f32 arrays, the f64 kernels the f64 arrays. Both see the same grid; what is left of a position after its
 //! grid steps is at most a step long and is all that the number type rounds.
 
-use super::bvh::BvhRay;
-use super::lanes::{AxisTerms, Octet, children_met, children_met_in_turn};
+use super::lanes::Octet;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
-use crate::scene::{BvhNode, Scene};
+use crate::scene::Scene;
 use wide::{f32x8, f64x8};
 
 /// An [`crate::scene::Instance`].
@@ -60,14 +59,6 @@ pub trait Kernel: Real {
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[Self; 4]];
     /// Eight of these numbers.
     type Octet: Octet<Self>;
-    /// A bit for each of a node's children whose box a ray meets between `near` and `far`.
-    fn children_met(
-        node: &BvhNode,
-        ray: &BvhRay<Self>,
-        terms: [AxisTerms<Self>; 3],
-        near: Self,
-        far: Self,
-    ) -> u32;
 }
 
 impl Kernel for f32 {
@@ -104,16 +95,6 @@ impl Kernel for f32 {
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[f32; 4]] {
         scene.net_points
     }
-    #[inline(always)]
-    fn children_met(
-        node: &BvhNode,
-        ray: &BvhRay<f32>,
-        terms: [AxisTerms<f32>; 3],
-        near: f32,
-        far: f32,
-    ) -> u32 {
-        children_met(node, ray, terms, near, far)
-    }
 }
 
 impl Kernel for f64 {
@@ -146,16 +127,6 @@ impl Kernel for f64 {
     #[inline(always)]
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[f64; 4]] {
         scene.net_points_f64
-    }
-    #[inline(always)]
-    fn children_met(
-        node: &BvhNode,
-        ray: &BvhRay<f64>,
-        terms: [AxisTerms<f64>; 3],
-        near: f64,
-        far: f64,
-    ) -> u32 {
-        children_met_in_turn(node, ray, terms, near, far)
     }
 }
 

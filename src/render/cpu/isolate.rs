@@ -193,7 +193,7 @@ pub fn bend_at_pole<T: Real>(at: &LeafRay<'_, T>, across: T) -> T {
     T::ONE.min(T::from_f32([degree_u, degree_v][at.pole.axis] as f32) * across)
 }
 
-/// What all cells of a leaf have in common.
+/// What all cells of a leaf have in common (on a GPU each finds it anew: it would take registers).
 #[derive(Debug, Clone, Copy)]
 pub struct LeafBounds<T> {
     /// Of the second derivatives, see [`leaf_bend`].
