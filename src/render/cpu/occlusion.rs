@@ -1,7 +1,8 @@
 //! The share of the sky that the pixels' centres see, without the grain of one ray each.
 //!
 //! The rays of a tile of 4 × 4 pixels are 16 places of one sequence (`sky_sample`), so the mean over any window of 4 × 4 has all of them; a second mean over
-//! 3 × 3 such windows takes in 144 rays. Only pixels of one surface are averaged: those that face the same way and lie in each other's tangent plane.
+//! 3 × 3 such windows, and a third over 3 × 3 of those, take in 400 rays, the nearer ones more often: of a mean that falls off to its sides no stripes show
+//! where a tile leaves it. Only pixels of one surface are averaged: those that face the same way and lie in each other's tangent plane.
 //! (Heitz et al. 2018 and others filter so; the sizes are those of the sequence.)
 
 use super::vector::Vector3;
@@ -14,7 +15,7 @@ const SAME_WAY: f32 = 0.9;
 const OFF_PLANE: f32 = 0.25;
 
 /// How far, in pixels, the means reach.
-pub const REACH: usize = 6;
+pub const REACH: usize = 10;
 
 /// What the filter looks at: arrays of all pixels, row by row.
 #[derive(Debug, Clone, Copy)]
@@ -31,32 +32,28 @@ pub struct Surface<'a> {
 pub fn smooth(surface: &Surface<'_>, open: &[f32]) -> Vec<f32> {
     let near: Vec<[isize; 2]> = (-2..2).flat_map(|dy| (-2..2).map(move |dx| [dx, dy])).collect();
     let far: Vec<[isize; 2]> = (-1..2).flat_map(|dy| (-1..2).map(move |dx| [4 * dx, 4 * dy])).collect();
-    let once = mean_over(surface, open, &near);
-    mean_over(surface, &once, &far)
+    [&near, &far, &far].into_iter().fold(open.to_vec(), |means, offsets| mean_over(surface, &means, offsets))
 }
 
 fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]]) -> Vec<f32> {
     let width = surface.width;
     let height = open.len() / width.max(1);
+    let steps: Vec<isize> = offsets.iter().map(|&[dx, dy]| dy * width as isize + dx).collect();
+    let reach = offsets.iter().flatten().map(|offset| offset.unsigned_abs()).max().unwrap_or(0);
+    let is_inside = |place: usize, size: usize| place >= reach && place + reach < size;
     let mean = |y: usize, x: usize| {
         let at = y * width + x;
         if surface.normal[at] == [0.0; 3] {
             return open[at];
         }
+        if is_inside(x, width) && is_inside(y, height) {
+            return mean_of(surface, open, at, steps.iter().map(|&step| at.wrapping_add_signed(step)));
+        }
         let places = offsets.iter().filter_map(|&[dx, dy]| {
             let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
             (x < width && y < height).then_some(y * width + x)
         });
-        // Where all see the same there is nothing to weigh.
-        if places.clone().all(|place| open[place] == open[at]) {
-            return open[at];
-        }
-        let (mut sum, mut count) = (0.0, 0.0);
-        for place in places.filter(|&place| belongs(surface, at, place)) {
-            sum += open[place];
-            count += 1.0;
-        }
-        sum / count
+        mean_of(surface, open, at, places)
     };
     let mut means = vec![0.0; open.len()];
     means
@@ -64,6 +61,26 @@ fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]]) -> Vec
         .enumerate()
         .for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, value)| *value = mean(y, x)));
     means
+}
+
+/// The mean over those of some places that show the surface of pixel `at`, which is one of them.
+#[inline(always)]
+fn mean_of(
+    surface: &Surface<'_>,
+    open: &[f32],
+    at: usize,
+    places: impl Iterator<Item = usize> + Clone,
+) -> f32 {
+    // Where all see the same there is nothing to weigh.
+    if places.clone().all(|place| open[place] == open[at]) {
+        return open[at];
+    }
+    let (mut sum, mut count) = (0.0, 0.0);
+    for place in places.filter(|&place| belongs(surface, at, place)) {
+        sum += open[place];
+        count += 1.0;
+    }
+    sum / count
 }
 
 /// Whether two pixels show one surface.
