@@ -6,6 +6,7 @@ trimray=${1:-target/release/trimray}
 device=${2:-cpu}
 folder=${3:-docs/gallery}
 render() { "$trimray" render -q --device "$device" --resolution 600,400 "fixtures/$1/model.step" -o "$folder/$2.png" "${@:3}"; }
+"$trimray" render -q --device "$device" --resolution 900,540 fixtures/bearing/model.step -o "$folder/bearing.png" --camera-elevation-angle 22
 render caster section --section x=50% --edges feature
 render gear technical --style technical --hidden-lines dashed
 render flange blueprint --style blueprint
