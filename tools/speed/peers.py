@@ -4,12 +4,12 @@
     pip install f3d cadquery-ocp embreex numpy pillow
     peers.py --bin target/release/trimray [--share 1e-3] [--json OUT] FILE|FOLDER...
 
-For each file and each of the three: seconds from the file to a picture of 1024 by 1024 pixels, a process of its own from start to end, and its peak of memory; millions of
-first hits a second on one thread; and how far hits are off, 99.9 % of them, in diagonals of the model, against `trimray probe --precision f64`.
+For each file and each of the three: seconds from the file to a picture of 1024 by 1024 pixels, a process of its own from start to end, and its peak of memory;
+millions of first hits a second on one thread; and how far hits are off, 99.9 % of them, in diagonals of the model, against `trimray probe --precision f64`.
 
-f3d draws triangles, and has no rays to count. Open CASCADE meshes with a chord error of `--share` of the diagonal, and Embree traces the mesh through embreex, in the
-float32 and without the anti-aliasing and ambient occlusion that trimray's picture has; its rays are those of that picture. trimray's rays are the primary ones of
-`bench stages --frames`, and its error that of f32 on Embree's rays.
+f3d draws triangles, and has no rays to count. Open CASCADE meshes with a chord error of `--share` of the diagonal, and Embree traces the mesh through embreex,
+in float32 and without the anti-aliasing and ambient occlusion that trimray's picture has; its rays are those of that picture. trimray's rays are the primary
+ones of `bench stages --frames`, and its error that of f32 on Embree's rays.
 """
 
 import argparse

@@ -31,8 +31,8 @@ const MAX_UNIQUE_STEPS: u32 = 10;
 const DAMPING_FACTOR: f64 = 8.0;
 
 /// How far from the ray a root may lie, in roundings of its coordinates and in slacks. Where Newton's method has converged the root is there whatever f32 makes
-/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings: what is farther away is no number; elsewhere it has to lie where the face, as wide
-/// as its slack, meets the ray, and half of that is for the search's own errors.
+/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings: what is farther away is no number; elsewhere it has to lie where
+/// the face, as wide as its slack, meets the ray, and half of that is for the search's own errors.
 const CONVERGED_MISS: [f64; 2] = [256.0, 4.0];
 const OPEN_MISS: [f64; 2] = [16.0, 0.5];
 

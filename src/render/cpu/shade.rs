@@ -259,7 +259,8 @@ fn seen_light<'a>(
     }
 }
 
-/// What does not depend on the sky that a surface sees, once for the two lights of a centre (powers cost a GPU less, whose text has none of this): for the key and the fill light how much the coat gleams, and how much metal mirrors.
+/// What does not depend on the sky that a surface sees: for the key and the fill light how much the coat gleams, and how much metal mirrors. Once for the two lights
+/// of a centre; powers cost a GPU less, and its text has none of this.
 struct Highlights {
     gleam: [f32; 2],
     mirror: [f32; 2],
