@@ -99,13 +99,13 @@ def chords(center, radius, count):
     return center + start * radius - direction * radius, direction
 
 
-def first_hits(binary, path, origins, directions):
-    """Distances of trimray's first hits in f64; infinite where there is none."""
+def first_hits(binary, path, origins, directions, precision="f64"):
+    """Distances of trimray's first hits; infinite where there is none."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as rays:
         for o, d in zip(origins, directions):
             rays.write(" ".join(repr(float(x)) for x in (*o, *d)) + "\n")
         rays.flush()
-        command = [binary, "probe", path, "--rays", rays.name, "--hits", "first", "--precision", "f64", "--device", "cpu"]
+        command = [binary, "probe", path, "--rays", rays.name, "--hits", "first", "--precision", precision, "--device", "cpu"]
         lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
     hits = [json.loads(line)["hits"] for line in lines]
     return np.array([h[0]["t"] if h else math.inf for h in hits])

@@ -81,16 +81,6 @@ def quantile(found, truth, diagonal):
     return float(error[int(len(error) * 0.999)]) if len(error) else float("nan")
 
 
-def probe(binary, path, rays, precision):
-    """Distances of trimray's first hits; infinite where there is none."""
-    import numpy as np
-
-    command = [binary, "probe", path, "--rays", rays, "--hits", "first", "--precision", precision, "--device", "cpu"]
-    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
-    hits = [json.loads(line)["hits"] for line in lines]
-    return np.array([h[0]["t"] if h else np.inf for h in hits])
-
-
 def trimray_rate(binary, path):
     """Millions of primary first hits a second on one thread."""
     command = [binary, "bench", "stages", path, "--frames", "--device", "cpu", "--json"]
@@ -103,6 +93,7 @@ def trimray_rate(binary, path):
 
 def compare(arguments, path, folder):
     """A row of numbers; a text where one of the three fails."""
+    import mesh_embree
     import numpy as np
 
     picture, script = f"{folder}/a.png", f"{folder}/one_picture.py"
@@ -123,13 +114,10 @@ def compare(arguments, path, folder):
     row["embree"].update(told)
     saved = np.load(picture + ".npz")
     some = np.linspace(0, SIDE * SIDE - 1, COMPARED).astype(int)
-    rays = f"{folder}/rays.txt"
-    with open(rays, "w") as out:
-        for o, d in zip(saved["origins"][some], saved["directions"][some]):
-            out.write(" ".join(repr(float(x)) for x in (*o, *d)) + "\n")
-    truth = probe(arguments.bin, str(path), rays, "f64")
+    rays = saved["origins"][some], saved["directions"][some]
+    truth, own = (mesh_embree.first_hits(arguments.bin, str(path), *rays, precision) for precision in ("f64", "f32"))
     row["embree"]["error"] = quantile(saved["distances"][some], truth, told["diagonal"])
-    row["trimray"]["error"] = quantile(probe(arguments.bin, str(path), rays, "f32"), truth, told["diagonal"])
+    row["trimray"]["error"] = quantile(own, truth, told["diagonal"])
     row["trimray"]["mrays"] = trimray_rate(arguments.bin, str(path))
     return row
 
