@@ -43,9 +43,8 @@ def grid(corners):
     return origins.reshape(-1, 3), np.broadcast_to(forward, (SIDE * SIDE, 3)), diagonal
 
 
-def embree_picture(path, share, picture):
-    """Meshes, traces and writes a picture, then says what it measured on the way: the picture's time ends before that."""
-    clock = time.perf_counter()
+def embree_picture(path, share, picture, binary):
+    """Meshes, traces and writes a picture; with trimray's `binary` says what it measured on the way, and how far hits are off."""
     import mesh_embree
     import numpy as np
     from PIL import Image
@@ -65,10 +64,13 @@ def embree_picture(path, share, picture):
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     light = np.where(hit < 0, 1.0, np.abs(normals[hit] @ directions[0]))
     Image.fromarray((light.reshape(SIDE, SIDE) * 255).astype(np.uint8)).save(picture)
-    seconds = time.perf_counter() - clock
-    distances = np.asarray(scene.run(*rays, query="DISTANCE"), dtype=float)
-    np.savez(picture + ".npz", origins=origins, directions=directions, distances=distances)
-    print(json.dumps({"seconds": seconds, "triangles": len(corners), "mrays": SIDE * SIDE / traced / 1e6, "diagonal": diagonal}))
+    if not binary:
+        return
+    some = np.linspace(0, SIDE * SIDE - 1, COMPARED).astype(int)
+    distances = np.asarray(scene.run(*rays, query="DISTANCE"), dtype=float)[some]
+    truth, own = (mesh_embree.first_hits(binary, path, origins[some], directions[some], precision) for precision in ("f64", "f32"))
+    errors = [quantile(found, truth, diagonal) for found in (distances, own)]
+    print(json.dumps({"triangles": len(corners), "mrays": SIDE * SIDE / traced / 1e6, "errors": errors}))
 
 
 def quantile(found, truth, diagonal):
@@ -92,33 +94,23 @@ def trimray_rate(binary, path):
 
 
 def compare(arguments, path, folder):
-    """A row of numbers; a text where one of the three fails."""
-    import mesh_embree
-    import numpy as np
-
+    """A row of numbers; a text where one of the three fails. Nothing large is imported here: a process begins with the peak of the one that starts it."""
     picture, script = f"{folder}/a.png", f"{folder}/one_picture.py"
     Path(script).write_text(F3D)
+    embree = [sys.executable, __file__, "--one-picture", picture, "--share", str(arguments.share), str(path)]
     row = {"file": str(path)}
-    ours = [arguments.bin, "render", "-q", "--device", "cpu", "--no-cache", "--resolution", f"{SIDE},{SIDE}", str(path), "-o", picture]
     for name, command in {
         "f3d": [sys.executable, script, str(path), picture, "plain"],
-        "embree": [sys.executable, __file__, "--one-picture", picture, "--share", str(arguments.share), str(path)],
-        "trimray": ours,
+        "embree": embree,
+        "trimray": [arguments.bin, "render", "-q", "--device", "cpu", "--no-cache", "--resolution", f"{SIDE},{SIDE}", str(path), "-o", picture],
     }.items():
         result = run(command, arguments.limit)
         if isinstance(result, str):
             return f"{name}: {result}"
         row[name] = {"seconds": result[0], "megabytes": result[1]}
-    command = [sys.executable, __file__, "--one-picture", picture, "--share", str(arguments.share), str(path)]
-    told = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[-1])
-    row["embree"].update(told)
-    saved = np.load(picture + ".npz")
-    some = np.linspace(0, SIDE * SIDE - 1, COMPARED).astype(int)
-    rays = saved["origins"][some], saved["directions"][some]
-    truth, own = (mesh_embree.first_hits(arguments.bin, str(path), *rays, precision) for precision in ("f64", "f32"))
-    row["embree"]["error"] = quantile(saved["distances"][some], truth, told["diagonal"])
-    row["trimray"]["error"] = quantile(own, truth, told["diagonal"])
-    row["trimray"]["mrays"] = trimray_rate(arguments.bin, str(path))
+    told = json.loads(subprocess.run([*embree, "--bin", arguments.bin], capture_output=True, text=True, check=True).stdout.splitlines()[-1])
+    row["embree"].update(triangles=told["triangles"], mrays=told["mrays"], error=told["errors"][0])
+    row["trimray"].update(mrays=trimray_rate(arguments.bin, str(path)), error=told["errors"][1])
     return row
 
 
@@ -132,7 +124,7 @@ def main() -> int:
     parser.add_argument("paths", nargs="+", type=Path)
     arguments = parser.parse_args()
     if arguments.one_picture:
-        embree_picture(str(arguments.paths[0]), arguments.share, arguments.one_picture)
+        embree_picture(str(arguments.paths[0]), arguments.share, arguments.one_picture, arguments.bin)
         return 0
     if not arguments.bin:
         parser.error("--bin says which trimray")
