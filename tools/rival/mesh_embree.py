@@ -116,6 +116,24 @@ def resident():
         return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
+def errors(found, truth, diagonal):
+    """How far first hits are off where both meet the model, in diagonals, ascending; what is ELSEWHERE is another hit."""
+    both = np.isfinite(found) & np.isfinite(truth)
+    error = np.sort(np.abs(found[both] - truth[both]) / diagonal)
+    return error[error <= ELSEWHERE]
+
+
+def quantile(ascending, share):
+    """Not a number where there are none."""
+    return float(ascending[min(len(ascending) - 1, int(len(ascending) * share))]) if len(ascending) else math.nan
+
+
+def distances(scene, origins, directions):
+    """Embree's first hits; infinite where there is none."""
+    found = np.asarray(scene.run(origins, directions, query="DISTANCE"), dtype=float)
+    return np.where(found > 1e30, math.inf, found)
+
+
 def measure(corners, origins, directions, truth, diagonal):
     """Seconds to build the tree, bytes, nanoseconds a ray, quantiles of the error, missed, phantom."""
     corners = corners.astype(np.float32)
@@ -127,19 +145,16 @@ def measure(corners, origins, directions, truth, diagonal):
     scene.run(origins[:1], directions[:1])
     build = time.perf_counter() - clock
     size = corners.nbytes + max(0, resident() - before - corners.nbytes)
-    least, found = math.inf, None
+    least = math.inf
     for _ in range(RUNS):
         clock = time.perf_counter()
-        found = scene.run(origins, directions, query="DISTANCE")
+        scene.run(origins, directions, query="DISTANCE")
         least = min(least, time.perf_counter() - clock)
-    found = np.where(np.asarray(found) > 1e30, math.inf, found)
-    both = np.isfinite(found) & np.isfinite(truth)
-    error = np.abs(found[both] - truth[both]) / diagonal
-    near = error <= ELSEWHERE
-    missed = int(np.sum(np.isfinite(truth) & ~np.isfinite(found)) + np.sum(~near))
+    found = distances(scene, origins, directions)
+    near = errors(found, truth, diagonal)
+    missed = int(np.sum(np.isfinite(truth))) - len(near)
     phantom = int(np.sum(np.isfinite(found) & ~np.isfinite(truth)))
-    error = np.sort(error[near])
-    at = [float(error[min(len(error) - 1, int(len(error) * q))]) for q in (0.5, 0.99, 0.999, 1.0)]
+    at = [quantile(near, share) for share in (0.5, 0.99, 0.999, 1.0)]
     return build, size, least / len(origins) * 1e9, at, missed, phantom
 
 

@@ -67,20 +67,10 @@ def embree_picture(path, share, picture, binary):
     if not binary:
         return
     some = np.linspace(0, SIDE * SIDE - 1, COMPARED).astype(int)
-    distances = np.asarray(scene.run(*rays, query="DISTANCE"), dtype=float)[some]
+    met = mesh_embree.distances(scene, *rays)[some]
     truth, own = (mesh_embree.first_hits(binary, path, origins[some], directions[some], precision) for precision in ("f64", "f32"))
-    errors = [quantile(found, truth, diagonal) for found in (distances, own)]
-    print(json.dumps({"triangles": len(corners), "mrays": SIDE * SIDE / traced / 1e6, "errors": errors}))
-
-
-def quantile(found, truth, diagonal):
-    """The 99.9 % of the errors where both hit, in diagonals; what is more than a hundredth off is another hit."""
-    import numpy as np
-
-    both = np.isfinite(found) & np.isfinite(truth) & (found < 1e30)
-    error = np.sort(np.abs(found[both] - truth[both]) / diagonal)
-    error = error[error <= 1e-2]
-    return float(error[int(len(error) * 0.999)]) if len(error) else float("nan")
+    off = [mesh_embree.quantile(mesh_embree.errors(found, truth, diagonal), 0.999) for found in (met, own)]
+    print(json.dumps({"triangles": len(corners), "mrays": SIDE * SIDE / traced / 1e6, "errors": off}))
 
 
 def trimray_rate(binary, path):

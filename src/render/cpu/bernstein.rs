@@ -86,12 +86,11 @@ fn net_jet_within<T: Kernel, const ORDER: usize>(
 ) -> NetJet<T> {
     let (basis_u, slope_u) = basis_and_slopes::<T, ORDER>(degree_u, uv[0]);
     let (basis_v, slope_v) = basis_and_slopes::<T, ORDER>(degree_v, uv[1]);
-    let four = |x: T| [x; 4];
     let shift = [about.x, about.y, about.z, T::ZERO];
     let shift = T::Octet::of(shift, shift);
     let mut weights = [T::Octet::all(T::ZERO); ORDER];
     for (both, (&weight, &slope)) in weights[..=degree_v].iter_mut().zip(basis_v.iter().zip(&slope_v)) {
-        *both = T::Octet::of(four(weight), four(slope));
+        *both = T::Octet::of([weight; 4], [slope; 4]);
     }
     // The rows' values, and beside them their derivatives by v; times the basis functions of u, and times their slopes.
     let (mut values, mut slopes) = (T::Octet::all(T::ZERO), T::Octet::all(T::ZERO));

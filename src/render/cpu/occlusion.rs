@@ -32,7 +32,9 @@ pub struct Surface<'a> {
 pub fn smooth(surface: &Surface<'_>, open: &[f32]) -> Vec<f32> {
     let near: Vec<[isize; 2]> = (-2..2).flat_map(|dy| (-2..2).map(move |dx| [dx, dy])).collect();
     let far: Vec<[isize; 2]> = (-1..2).flat_map(|dy| (-1..2).map(move |dx| [4 * dx, 4 * dy])).collect();
-    [&near, &far, &far].into_iter().fold(open.to_vec(), |means, offsets| mean_over(surface, &means, offsets))
+    let once = mean_over(surface, open, &near);
+    let twice = mean_over(surface, &once, &far);
+    mean_over(surface, &twice, &far)
 }
 
 fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]]) -> Vec<f32> {
