@@ -251,6 +251,9 @@ pub(super) struct Probe {
     /// What computes; auto is the CPU for f64.
     #[arg(long, value_enum, default_value_t = DeviceChoice::Auto)]
     pub(super) device: DeviceChoice,
+    /// Count what the rays take, in f32: nodes, faces, leaves, steps of Newton's method, trim tests; on stderr.
+    #[arg(long)]
+    pub(super) stats: bool,
 }
 
 /// How bent a piece of a free-form face may be that is searched for hits as a whole. Hits are exact whatever the pieces.

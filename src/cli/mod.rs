@@ -39,6 +39,7 @@ mod path;
 mod pattern;
 mod probe;
 mod progress;
+mod ray_report;
 mod reference;
 mod render;
 mod render_report;

@@ -4,11 +4,13 @@ use super::Failure;
 use super::args::{DeviceChoice, General, HitsChoice, PrecisionChoice, Probe};
 use super::device::Device;
 use super::load::{Purpose, load, nothing};
-use crate::render::cpu::Precision;
-use crate::render::{Hit, Ray};
+use super::ray_report::RayReport;
+use crate::render::cpu::{Precision, RayCounts, count_steps};
+use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
 use anyhow::{Context, bail, ensure};
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
@@ -52,10 +54,15 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
     let mut lines =
         RayLines { reader: rays, name: command.rays.display().to_string(), number: 0, text: Vec::new() };
     let mut out = BufWriter::with_capacity(1 << 16, std::io::stdout().lock());
+    let mut counts = RayCounts::default();
     loop {
         let batch = lines.batch();
         let answered = batch.rays.len();
         let hits = prober.probe(&batch.rays, first_only)?;
+        if command.stats {
+            let rays = batch.rays.par_iter().copied();
+            counts += count_steps(&scene, rays, Exactness::from(command.exactness), first_only);
+        }
         for (ray, hits) in batch.rays.iter().zip(&hits) {
             write_hits(&mut out, &scene, ray, hits)?;
         }
@@ -63,9 +70,13 @@ pub(super) fn run(command: &Probe, general: &General) -> anyhow::Result<()> {
         out.flush()?;
         batch.end?;
         if answered < BATCH {
-            return Ok(());
+            break;
         }
     }
+    if command.stats {
+        RayReport::of(&counts).write(&mut std::io::stderr())?;
+    }
+    Ok(())
 }
 
 fn precision(

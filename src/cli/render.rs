@@ -15,6 +15,7 @@ use super::materials::{Looks, looks, overridden};
 use super::output::{Output, Still, Subjects, plan, with_model};
 use super::path::{environment, path_options};
 use super::progress::Progress;
+use super::ray_report::RayReport;
 use super::reference::{Reference, reference};
 use super::render_report::{FaceReport, FileReport, InputReport, RunReport};
 use super::section;
@@ -25,6 +26,7 @@ use super::view;
 use super::window::window;
 use crate::bake::explode;
 use crate::image::{Animation, Film, Layers, Window, make_folder_of, unique_names, write_file};
+use crate::render::cpu::{RayCounts, count_steps_of_picture};
 use crate::render::section::Section;
 use crate::render::{Background, Camera, Environment, PathOptions, RenderOptions, bounds};
 use anyhow::Context;
@@ -246,10 +248,17 @@ fn render_input(
         progress: Progress::new(format!("Rendering {}", input.display()), general),
         done: 0,
         pictures,
+        counts: RayCounts::default(),
     };
     report.seconds.render += start.elapsed().as_secs_f64();
     let result = task.stills.iter().try_for_each(|still| job.write(still, task, general, report));
     log::info!("rendered in {:.2} s", report.seconds.render);
+    if command.writing.stats {
+        let rays = report.rays.insert(RayReport::of(&job.counts));
+        if !command.writing.json {
+            rays.write(&mut std::io::stderr())?;
+        }
+    }
     drop(job);
     device.name().clone_into(&mut report.device);
     result
@@ -285,6 +294,8 @@ struct Job<'j, 'a, 's> {
     /// Pictures that are done, of all.
     done: usize,
     pictures: usize,
+    /// With `--stats`.
+    counts: RayCounts,
 }
 
 impl Job<'_, '_, '_> {
@@ -354,6 +365,9 @@ impl Job<'_, '_, '_> {
                 (None, Some(paths)) => self.renderer.render_paths(&camera, &options, paths, &tell)?,
                 (None, None) => self.renderer.render(&camera, &options, &tell)?,
             };
+            if self.command.writing.stats {
+                self.counts += count_steps_of_picture(&self.renderer.scene(), &camera, &asked);
+            }
             if still.output.is_shown() {
                 self.look.develop(&mut film);
             }

@@ -3,6 +3,7 @@
 use super::Failure;
 use super::comparison::Comparison;
 use super::exit_code;
+use super::ray_report::RayReport;
 use crate::scene::{Scene, Severity};
 use serde::Serialize;
 use std::io::Write;
@@ -30,6 +31,9 @@ pub(super) struct InputReport {
     /// With `--reference`, as `diff --json` tells it: a is the reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reference: Option<Comparison>,
+    /// With `--stats`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rays: Option<RayReport>,
     pub(super) seconds: Seconds,
 }
 

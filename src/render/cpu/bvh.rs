@@ -5,6 +5,7 @@
 
 use super::Kernel;
 use super::lanes::Octet;
+use super::tally::{Step, Tally};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::scene::{BvhNode, Scene};
@@ -81,6 +82,7 @@ pub fn next_primitive<T: Kernel>(
     ray: &BvhRay<T>,
     near: T,
     far: T,
+    tally: &mut impl Tally,
 ) -> Option<u32> {
     loop {
         if walk.primitives[1] != 0 {
@@ -107,6 +109,7 @@ pub fn next_primitive<T: Kernel>(
         let slot = (bit - 24) ^ ray.octant;
         let rank = (hits & !(u32::MAX << slot)).count_ones();
         let node = &scene.bvh_nodes[(walk.first_node + walk.group[0] + rank) as usize];
+        tally.count(Step::Node);
         let hits = intersect_node(node, ray, near, far);
         walk.group = [node.child_base, (hits & 0xff00_0000) | u32::from(node.imask)];
         walk.primitives = [node.primitive_base, hits & 0x00ff_ffff];

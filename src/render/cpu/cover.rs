@@ -1,7 +1,8 @@
 //! Whether a hit belongs to a face: the trim window and the trim tree, each as wide as the hit's footprint.
 
 use super::footprint::Footprint;
-use super::trim::{trim_inside, trim_point};
+use super::tally::Tally;
+use super::trim::{trim_inside_tallied, trim_point};
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
 use crate::scene::{Face, Scene};
@@ -46,6 +47,7 @@ pub fn cover<T: Real>(
     margin: [T; 2],
     footprint: &Footprint<T>,
     sides: impl FnOnce() -> [Vector3<T>; 2],
+    tally: &mut impl Tally,
 ) -> Cover {
     let extent = footprint.extent();
     let reach = [extent[0] + margin[0], extent[1] + margin[1]];
@@ -57,7 +59,7 @@ pub fn cover<T: Real>(
     let is_near_end = |k: usize| at[k] < reach[k] || at[k] > T::ONE - reach[k];
     let clamped = |uv: [T; 2]| uv.map(|x| x.max(T::ZERO).min(T::ONE));
     let in_window = |uv: [T; 2]| (0..2).all(|k| uv[k] >= -margin[k] && uv[k] <= T::ONE + margin[k]);
-    let center = trim_point(scene, face.trim_root, clamped(at), extent);
+    let center = trim_point(scene, face.trim_root, clamped(at), extent, tally);
     let is_inside = center.inside && in_window(at);
     if !(center.is_near || is_near_end(0) || is_near_end(1)) {
         return if is_inside { Cover::Inside } else { Cover::Outside };
@@ -66,15 +68,15 @@ pub fn cover<T: Real>(
         return if is_inside { Cover::Border } else { Cover::Outside };
     }
     let sides = sides();
-    let belongs = |side: usize| {
+    let mut belongs = |side: usize| {
         let [u, v] = footprint.place(at, sides, side);
         let place = [to_window(u, period[0]), to_window(v, period[1])];
-        in_window(place) && trim_inside(scene, face.trim_root, clamped(place))
+        in_window(place) && trim_inside_tallied(scene, face.trim_root, clamped(place), tally)
     };
     match is_inside {
-        true if (0..4).all(belongs) => Cover::Near,
+        true if (0..4).all(&mut belongs) => Cover::Near,
         true => Cover::Border,
-        false if (0..4).any(belongs) => Cover::Border,
+        false if (0..4).any(&mut belongs) => Cover::Border,
         false => Cover::Outside,
     }
 }

@@ -41,6 +41,7 @@ pub(super) mod section;
 pub(super) mod shade;
 mod slab;
 mod sobol;
+mod tally;
 mod torus;
 pub(super) mod trace;
 pub(super) mod trim;
@@ -66,6 +67,7 @@ pub use self::queries::{TrimQuery, Untrimmed, answer, answers_counted, count_ins
 pub use self::render::render;
 #[cfg(feature = "gpu")]
 pub(super) use self::render::{find_centers, take_samples};
+pub use self::tally::{RayCounts, Step, count_steps, count_steps_of_picture};
 pub use self::trim::{trim_counted, trim_inside};
 pub use self::trim_study::TrimCounts;
 pub use frames::Kernel;

@@ -14,6 +14,7 @@ use super::isolate::{
 use super::planes::{RayPlanes, plane_jet, ray_planes};
 use super::ray_space::PrimitiveRay;
 use super::slab::{SlabHit, intersect_slab};
+use super::tally::{Step, Tally};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::render::{Exactness, NetSearch};
@@ -113,6 +114,7 @@ pub fn leaf_roots<T: Kernel>(
     far: T,
     NetSearch { exactness, newton_stop }: NetSearch,
     slack: T,
+    tally: &mut impl Tally,
 ) -> NetRoots<T> {
     let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], is_cut: false };
     let Some(hit) = intersect_slab(leaf, ray, near, far) else {
@@ -123,28 +125,35 @@ pub fn leaf_roots<T: Kernel>(
     let newton_stop = T::from_f32(newton_stop);
     let at = LeafRay { leaf, net, domain, ray: *ray, planes: ray_planes(ray), slack, pole, newton_stop };
     if exactness == Exactness::Exact && !hit.unique && has_bend_bound(leaf) {
-        isolate(scene, &at, &mut roots);
+        isolate(scene, &at, &mut roots, tally);
         return roots;
     }
     let kind = if hit.unique { SearchKind::Unique } else { SearchKind::Open };
     for k in fixed_starts(&hit, exactness) {
-        search(scene, &at, fixed_start(&hit, k, &at.domain), kind, T::ONE, &mut roots);
+        search(scene, &at, fixed_start(&hit, k, &at.domain), kind, T::ONE, &mut roots, tally);
     }
     roots
 }
 
 /// Searches the leaf cell by cell.
-fn isolate<T: Kernel>(scene: &Scene<'_>, at: &LeafRay<'_, T>, roots: &mut NetRoots<T>) {
+fn isolate<T: Kernel>(
+    scene: &Scene<'_>,
+    at: &LeafRay<'_, T>,
+    roots: &mut NetRoots<T>,
+    tally: &mut impl Tally,
+) {
+    tally.count(Step::DividedLeaf);
     let bounds = leaf_bounds(at);
     let mut cell = Cell::default();
     for _ in 0..MAX_ISOLATION_CELLS {
+        tally.count(Step::Cell);
         let jet = net_jet(scene, at.net, at.ray.origin, cell.cell_center(at));
         match examine(&jet, at, &bounds, cell) {
             Verdict::Split(quarters) => {
                 cell = cell.first_part(at.pole, quarters);
                 continue;
             }
-            Verdict::Search { start, kind, across } => search(scene, at, start, kind, across, roots),
+            Verdict::Search { start, kind, across } => search(scene, at, start, kind, across, roots, tally),
             Verdict::Empty => {}
         }
         match cell.next_cell(at.pole) {
@@ -208,7 +217,9 @@ fn search<T: Kernel>(
     kind: SearchKind,
     across: T,
     roots: &mut NetRoots<T>,
+    tally: &mut impl Tally,
 ) {
+    tally.count(Step::Search);
     let LeafRay { leaf, net, domain, ray, planes, slack, .. } = at;
     let (a, b) = (Vector3::<T>::from_f32(leaf.tangent_u), Vector3::<T>::from_f32(leaf.tangent_v));
     let bend = leaf_bend(leaf, a, b);
@@ -229,6 +240,7 @@ fn search<T: Kernel>(
     // The lowest point so far, what the planes have there, and the share of the damping.
     let (mut base, mut low, mut share) = (uv, [[T::ZERO; 2]; 3], T::ONE);
     for turn in 0..limit {
+        tally.count(Step::NewtonStep);
         let jet = net_jet(scene, net, ray.origin, uv);
         let here = plane_jet(planes, &jet, unit);
         if turn == 0 || !is_open || height(here) <= height(low) {

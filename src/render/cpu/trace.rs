@@ -9,6 +9,7 @@ use super::net::{NetRoot, leaf_domain, leaf_roots};
 use super::ray_space::{
     Distance, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
+use super::tally::{Step, Tally};
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
 use crate::render::NetSearch;
@@ -89,15 +90,18 @@ pub fn first_hit_before<T: Kernel>(
     far: Distance<T>,
 ) -> Option<RawHit<T>> {
     let mut first: Option<RawHit<T>> = None;
-    trace(scene, search, ray, near, far, &mut |hit: RawHit<T>| {
-        let best = match first {
-            Some(best) if !comes_before(&hit, &best) => best,
-            _ => hit,
-        };
-        first = Some(best);
-        Some(best.distance)
-    });
+    trace(scene, search, ray, near, far, &mut |hit: RawHit<T>| Some(keep_first(&mut first, hit)));
     first
+}
+
+/// Keeps the hit if it is before the one that is kept; the distance of that which stays.
+pub fn keep_first<T: Kernel>(first: &mut Option<RawHit<T>>, hit: RawHit<T>) -> Distance<T> {
+    let best = match *first {
+        Some(best) if !comes_before(&hit, &best) => best,
+        _ => hit,
+    };
+    *first = Some(best);
+    best.distance
 }
 
 /// The order of hits along a ray: by distance, then by face, net and instance.
@@ -119,20 +123,33 @@ pub fn trace<T: Kernel>(
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
 ) {
-    let search = search.into();
+    trace_tallied(scene, search.into(), ray, near, far, accept, &mut ());
+}
+
+/// [`trace`], taking note of its steps.
+pub fn trace_tallied<T: Kernel>(
+    scene: &Scene<'_>,
+    search: NetSearch,
+    ray: &WorldRay<T>,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    tally: &mut impl Tally,
+) {
     let step = number::<T>(scene.header.grid_step);
     let mut far = far;
     let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
     let mut instances = start_walk(0, scene.header.node_count, 0);
     loop {
         let (from, to) = (near.beyond(T::ZERO), far.beyond(T::ZERO));
-        let Some(instance) = next_primitive(&mut instances, scene, &top, from, to) else {
+        let Some(instance) = next_primitive(&mut instances, scene, &top, from, to, tally) else {
             return;
         };
         let Some(part_ray) = enter_instance(ray, &T::instance(scene, instance), step) else {
             continue;
         };
-        match trace_part(scene, search, &part_ray, instance, near, far, accept) {
+        tally.count(Step::Instance);
+        match trace_part(scene, search, &part_ray, instance, near, far, accept, tally) {
             Some(nearer) => far = nearer,
             None => return,
         }
@@ -148,6 +165,7 @@ fn trace_part<T: Kernel>(
     near: Distance<T>,
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    tally: &mut impl Tally,
 ) -> Option<Distance<T>> {
     let part = &scene.parts[scene.instances[instance as usize].part as usize];
     let mut far = far;
@@ -155,12 +173,14 @@ fn trace_part<T: Kernel>(
     let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
     loop {
         let (from, to) = (near.beyond(ray.near_anchor), far.beyond(ray.near_anchor));
-        let Some(word) = next_primitive(&mut primitives, scene, &boxes, from, to) else {
+        let Some(word) = next_primitive(&mut primitives, scene, &boxes, from, to, tally) else {
             return Some(far);
         };
         far = match unpack(word) {
-            Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept)?,
-            Primitive::NetLeaf(leaf) => trace_leaf(scene, search, ray, instance, leaf, near, far, accept)?,
+            Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept, tally)?,
+            Primitive::NetLeaf(leaf) => {
+                trace_leaf(scene, search, ray, instance, leaf, near, far, accept, tally)?
+            }
         };
     }
 }
@@ -178,8 +198,10 @@ fn trace_face<T: Kernel>(
     near: Distance<T>,
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    tally: &mut impl Tally,
 ) -> Option<Distance<T>> {
     let mut far = far;
+    tally.count(Step::Face);
     let face: FaceFrame<T> = T::face(scene, index);
     let ray = approach_frame(part_ray, &face, number(scene.header.grid_step));
     let origin = apply_rows(&face.axes, ray.origin);
@@ -204,7 +226,8 @@ fn trace_face<T: Kernel>(
         let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
         // All faces of a part are tried at the same sides.
         let sides = || sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
-        let cover = cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint, sides);
+        let cover =
+            cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint, sides, tally);
         if cover != Cover::Outside {
             let certainty = Certainty::of(cover, footprint.is_grazing);
             far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
@@ -223,22 +246,24 @@ fn trace_leaf<T: Kernel>(
     near: Distance<T>,
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    tally: &mut impl Tally,
 ) -> Option<Distance<T>> {
     let mut far = far;
+    tally.count(Step::Leaf);
     let leaf = &scene.net_leaves[index as usize];
     let net = &scene.nets[leaf.net as usize];
     let face = &scene.faces[net.face as usize];
     let center = Vector3::from_f32(leaf.center);
     let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
     let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
-    let roots = leaf_roots(scene, leaf, net, &ray, from, to, search, number(face.slack.into()));
+    let roots = leaf_roots(scene, leaf, net, &ray, from, to, search, number(face.slack.into()), tally);
     for i in 0..roots.count {
         let root = roots.root[i];
         let distance = Distance { anchor: ray.anchor, offset: root.t };
         if !is_between(distance, near, far) {
             continue;
         }
-        let cover = leaf_cover(scene, leaf, net, face, &root, ray.direction);
+        let cover = leaf_cover(scene, leaf, net, face, &root, ray.direction, tally);
         if cover != Cover::Outside {
             let found = Certainty::of(cover, root.footprint.is_grazing);
             let certainty = if roots.is_cut { Certainty::Border } else { found };
@@ -257,6 +282,7 @@ fn leaf_cover<T: Kernel>(
     face: &Face,
     root: &NetRoot<T>,
     direction: Vector3<T>,
+    tally: &mut impl Tally,
 ) -> Cover {
     let (domain, extent) = (leaf_domain::<T>(leaf), root.footprint.extent());
     let is_own = |k: usize| {
@@ -269,7 +295,7 @@ fn leaf_cover<T: Kernel>(
     let uv = face_parameters(net, face.period, root.uv);
     let footprint: Footprint<T> = root.footprint.scaled(net.uv_size.map(T::from_f32));
     let period = face.period.map(T::from_f32);
-    cover(scene, face, period, uv, [T::ZERO; 2], &footprint, || sides(direction))
+    cover(scene, face, period, uv, [T::ZERO; 2], &footprint, || sides(direction), tally)
 }
 
 /// Normalised face parameters of a net's local ones, wrapped.

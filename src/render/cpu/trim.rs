@@ -3,6 +3,7 @@
 //! The layout and the parity rule are those of [`crate::scene::trim_word`] and [`TrimSegment`]. A segment is monotone in u and in v, so the box
 //! between its ends decides points beside it, and its band nearly all others; what is left needs the curve (`trim_curve`).
 
+use super::tally::Tally;
 use super::trim_curve::{ExactTest, is_right_of_chord, is_right_of_curve};
 use super::trim_study::{TrimCounts, study_inside};
 use super::vector::number;
@@ -39,8 +40,42 @@ pub fn trim_counted<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], counts: &
 }
 
 /// [`trim_inside`], and whether the box `uv ± extent` comes near a trim curve; the methods of the study do not know what is near.
-pub fn trim_point<T: Real>(scene: &Scene<'_>, root: u32, uv: [T; 2], extent: [T; 2]) -> TrimPoint {
-    trim::<T, true, false>(scene, root, uv, extent, &mut TrimCounts::default())
+pub fn trim_point<T: Real>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    tally: &mut impl Tally,
+) -> TrimPoint {
+    trim_tallied::<T, true>(scene, root, uv, extent, tally)
+}
+
+/// [`trim_inside`], taking note of its steps.
+#[inline]
+pub fn trim_inside_tallied<T: Real>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    tally: &mut impl Tally,
+) -> bool {
+    trim_tallied::<T, false>(scene, root, uv, [T::ZERO; 2], tally).inside
+}
+
+#[inline(always)]
+fn trim_tallied<T: Real, const NEAR: bool>(
+    scene: &Scene<'_>,
+    root: u32,
+    uv: [T; 2],
+    extent: [T; 2],
+    tally: &mut impl Tally,
+) -> TrimPoint {
+    match tally.trims() {
+        Some(counts) => {
+            counts.queries += u64::from(root != TRIM_INSIDE);
+            trim::<T, NEAR, true>(scene, root, uv, extent, counts)
+        }
+        None => trim::<T, NEAR, false>(scene, root, uv, extent, &mut TrimCounts::default()),
+    }
 }
 
 /// The query by the scene's method; nearness only where `NEAR`, counts only where `COUNT`.
@@ -378,7 +413,7 @@ mod tests {
                 if gap.abs() > 1e-5 {
                     assert_eq!(trim_inside(&scene, 0, uv.map(|x| x as f32)), gap < 0.0, "{uv:?}");
                 }
-                let near = trim_point(&scene, 0, uv, [1e-3; 2]);
+                let near = trim_point(&scene, 0, uv, [1e-3; 2], &mut ());
                 assert_eq!(near.inside, gap < 0.0);
                 assert!(near.is_near || gap.abs() > 1e-3, "{uv:?}");
             }
@@ -417,7 +452,7 @@ mod tests {
         for by in -4..=4 {
             let u = f32::from_bits(lowest[0].to_bits().wrapping_add_signed(by));
             for v in [lowest[1].next_down(), lowest[1], lowest[1].next_up()] {
-                assert!(trim_point(&scene, 0, [u, v], [1e-6; 2]).is_near, "{by} {v}");
+                assert!(trim_point(&scene, 0, [u, v], [1e-6; 2], &mut ()).is_near, "{by} {v}");
             }
         }
     }
