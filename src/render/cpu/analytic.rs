@@ -4,6 +4,7 @@
 //! the closest approach to the axis or centre, where the discriminant is a plain difference `r² − distance²` without
 //! cancelling squares (Haines, Günther and Akenine-Möller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems, ch. 7).
 
+use super::footprint::LONGEST;
 use super::torus::torus_roots;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
@@ -39,13 +40,36 @@ impl<T: Real> Roots<T> {
     }
 }
 
-/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier.
+/// Where along a line roots are wanted: where it is in the box of a face, as wide as the face's slack.
+#[derive(Debug, Clone, Copy)]
+pub struct Span<T> {
+    /// In units of the direction.
+    pub ends: [T; 2],
+    /// Millimetres.
+    pub slack: T,
+}
+
+impl<T: Real> Span<T> {
+    /// All of the line.
+    pub fn whole() -> Self {
+        Self { ends: [-T::INFINITY, T::INFINITY], slack: T::ZERO }
+    }
+
+    /// The ends in lengths, times `scale`, as far beyond the box as a footprint reaches: no hit of the face is farther.
+    pub fn scaled(&self, length: T, scale: T) -> [T; 2] {
+        let beyond = self.slack * number(LONGEST);
+        [(self.ends[0] * length - beyond) * scale, (self.ends[1] * length + beyond) * scale]
+    }
+}
+
+/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier; those out of the span may be left out.
 #[inline]
 pub fn carrier_roots<T: Real>(
     kind: u32,
     origin: Vector3<T>,
     direction: Vector3<T>,
     radii: [T; 2],
+    span: &Span<T>,
 ) -> Roots<T> {
     if kind == FaceKind::Plane as u32 {
         plane_roots(origin, direction)
@@ -56,7 +80,7 @@ pub fn carrier_roots<T: Real>(
     } else if kind == FaceKind::Sphere as u32 {
         sphere_roots(origin, direction, radii[0])
     } else {
-        torus_roots(origin, direction, radii[0], radii[1])
+        torus_roots(origin, direction, radii[0], radii[1], span)
     }
 }
 

@@ -1,17 +1,21 @@
-//! Walks the 8-wide compressed BVH (Ylitie, Karras and Laine 2017), children in the order of the ray's octant.
+//! Walks the 8-wide compressed BVH (Ylitie, Karras and Laine 2017), children in the order in which the ray comes to their boxes.
 //!
 //! The node test is conservative: the slabs are widened by the rounding error of their own computation, so flat boxes, rays in a box's
-//! plane and rays along an axis lose nothing. The stack cannot overflow: `scene::validate` bounds the depth by [`STACK_SIZE`].
+//! plane and rays along an axis lose nothing. What waits is as many children as [`STACK_SIZE`] at most: `scene::validate` bounds the depth.
+//!
+//! A GPU's threads have no room for the distances of what waits, and visit children in the order of the ray's octant instead (`bvh.wgsl`); here a hit
+//! spares all that is entered behind it, faces of the same node too.
 
 use super::Kernel;
 use super::lanes::Octet;
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
-use crate::scene::{BvhNode, Scene};
+use crate::scene::{BvhNode, MAX_TREE_DEPTH, Scene};
+use arrayvec::ArrayVec;
 
-/// A deferred group of siblings per level; validated trees are not deeper.
-pub const STACK_SIZE: usize = 32;
+/// Children that wait at most: of each level of a validated tree all but the one that is visited, and all of the last.
+const STACK_SIZE: usize = 7 * MAX_TREE_DEPTH + 1;
 
 /// A ray as the node test wants it.
 #[derive(Debug, Clone, Copy)]
@@ -25,18 +29,36 @@ pub struct BvhRay<T> {
 }
 
 /// A walk in progress.
-#[derive(Debug, Clone, Copy)]
-pub struct Walk {
+#[derive(Debug, Clone)]
+pub struct Walk<T> {
     /// First node of the tree.
     first_node: u32,
     /// First primitive word of the tree.
     first_primitive: u32,
-    /// Siblings still to visit: their base and, from bit 24 up, who; below, which children are inner nodes.
-    group: [u32; 2],
-    /// Primitives still to visit: their base and who.
-    primitives: [u32; 2],
-    stack: [[u32; 2]; STACK_SIZE],
-    depth: usize,
+    /// The child that is visited, less those of its primitives that have been.
+    visited: Child<T>,
+    /// Of the children of one node the nearest is the last.
+    waiting: ArrayVec<Child<T>, STACK_SIZE>,
+}
+
+/// A child whose box the ray meets.
+#[derive(Debug, Clone, Copy)]
+struct Child<T> {
+    /// Where on the ray its box begins and ends.
+    span: [T; 2],
+    /// Of the tree: the node, or the first primitive.
+    index: u32,
+    /// Primitives; 0 is a node.
+    count: u32,
+}
+
+/// A primitive whose box the ray meets.
+#[derive(Debug, Clone, Copy)]
+pub struct Met<T> {
+    /// See [`crate::scene::primitive`].
+    pub word: u32,
+    /// Where on the ray the box begins and ends, counted from the ray's origin: it holds the primitive, but for what its slack may add.
+    pub span: [T; 2],
 }
 
 /// Prepares a ray.
@@ -64,76 +86,84 @@ fn inverse<T: Real>(x: T) -> T {
 
 /// Starts a walk over a tree of `node_count` nodes.
 #[inline]
-pub fn start_walk(first_node: u32, node_count: u32, first_primitive: u32) -> Walk {
-    Walk {
-        first_node,
-        first_primitive,
-        group: [0, if node_count == 0 { 0 } else { 0x8000_0000 }],
-        primitives: [0, 0],
-        stack: [[0; 2]; STACK_SIZE],
-        depth: 0,
+pub fn start_walk<T: Real>(first_node: u32, node_count: u32, first_primitive: u32) -> Walk<T> {
+    let root = Child { span: [-T::INFINITY, T::INFINITY], index: 0, count: 0 };
+    let mut waiting = ArrayVec::new();
+    if node_count > 0 {
+        waiting.push(root);
     }
+    Walk { first_node, first_primitive, visited: root, waiting }
 }
 
-/// The next primitive word whose box the ray meets between `near` and `far` (both counted from the ray's origin).
+/// The next primitive whose box the ray meets between `near` and `far` (both counted from the ray's origin).
 pub fn next_primitive<T: Kernel>(
-    walk: &mut Walk,
+    walk: &mut Walk<T>,
     scene: &Scene<'_>,
     ray: &BvhRay<T>,
     near: T,
     far: T,
     tally: &mut impl Tally,
-) -> Option<u32> {
+) -> Option<Met<T>> {
     loop {
-        if walk.primitives[1] != 0 {
-            let bit = 31 - walk.primitives[1].leading_zeros();
-            walk.primitives[1] &= !(1 << bit);
-            let index = walk.first_primitive + walk.primitives[0] + bit;
-            return Some(scene.primitives[index as usize]);
+        let Child { span, index, count } = &mut walk.visited;
+        if *count > 0 {
+            let word = scene.primitives[(walk.first_primitive + *index) as usize];
+            (*index, *count) = (*index + 1, *count - 1);
+            return Some(Met { word, span: *span });
         }
-        if walk.group[1] & 0xff00_0000 == 0 {
-            if walk.depth == 0 {
-                return None;
-            }
-            walk.depth -= 1;
-            walk.group = walk.stack[walk.depth];
+        let child = walk.waiting.pop()?;
+        if child.span[0] > far {
+            continue;
         }
-        // Takes the first sibling in octant order and keeps the others for later.
-        let hits = walk.group[1];
-        let bit = 31 - hits.leading_zeros();
-        walk.group[1] &= !(1 << bit);
-        if walk.group[1] & 0xff00_0000 != 0 && walk.depth < STACK_SIZE {
-            walk.stack[walk.depth] = walk.group;
-            walk.depth += 1;
+        if child.count > 0 {
+            walk.visited = child;
+            continue;
         }
-        let slot = (bit - 24) ^ ray.octant;
-        let rank = (hits & !(u32::MAX << slot)).count_ones();
-        let node = &scene.bvh_nodes[(walk.first_node + walk.group[0] + rank) as usize];
         tally.count(Step::Node);
-        let hits = intersect_node(node, ray, near, far);
-        walk.group = [node.child_base, (hits & 0xff00_0000) | u32::from(node.imask)];
-        walk.primitives = [node.primitive_base, hits & 0x00ff_ffff];
+        let node = &scene.bvh_nodes[(walk.first_node + child.index) as usize];
+        intersect_node(node, ray, near, far, &mut walk.waiting);
     }
 }
 
-/// The children met: inner nodes from bit 24 up in octant order, primitives below.
+/// Adds the children met, the nearest last.
 #[inline(always)]
-fn intersect_node<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
-    let met = children_met(node, ray, near, far);
-    let inner = met & u32::from(node.imask);
-    let mut hits = in_octant_order(inner, ray.octant) << 24;
-    let mut others = met & !inner;
-    while others != 0 {
-        let meta = u32::from(node.child_meta[others.trailing_zeros() as usize]);
-        hits |= (meta >> 5) << (meta & 31);
-        others &= others - 1;
+fn intersect_node<T: Kernel>(
+    node: &BvhNode,
+    ray: &BvhRay<T>,
+    near: T,
+    far: T,
+    waiting: &mut ArrayVec<Child<T>, STACK_SIZE>,
+) {
+    let (mut met, spans) = children_met(node, ray, near, far);
+    let spans = spans.map(Octet::halves);
+    let first = waiting.len();
+    while met != 0 {
+        let slot = met.trailing_zeros();
+        met &= met - 1;
+        let span = spans.map(|halves| halves[slot as usize >> 2][slot as usize & 3]);
+        let child = if node.imask >> slot & 1 == 1 {
+            let rank = (u32::from(node.imask) & !(u32::MAX << slot)).count_ones();
+            Child { span, index: node.child_base + rank, count: 0 }
+        } else {
+            let meta = u32::from(node.child_meta[slot as usize]);
+            if meta == 0 {
+                continue;
+            }
+            Child { span, index: node.primitive_base + (meta & 31), count: (meta >> 5).count_ones() }
+        };
+        waiting.push(child);
+        let mut place = waiting.len() - 1;
+        while place > first && waiting[place - 1].span[0] < span[0] {
+            waiting.swap(place - 1, place);
+            place -= 1;
+        }
     }
-    hits
 }
 
-/// A bit for each of the children whose box the ray meets between `near` and `far`, all eight at once. Products are numbers in nodes of up to 10²⁰ mm.
+/// A bit for each of the children whose box the ray meets between `near` and `far`, and where it enters and leaves them, all eight at once. Products are
+/// numbers in nodes of up to 10²⁰ mm.
 #[inline(always)]
-fn children_met<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
+fn children_met<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> (u32, [T::Octet; 2]) {
     let x = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
     let y = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
     let z = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
@@ -141,7 +171,7 @@ fn children_met<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> 
     narrow::<T>(&mut span, order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x), x);
     narrow::<T>(&mut span, order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y), y);
     narrow::<T>(&mut span, order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z), z);
-    span[0].at_most(span[1])
+    (span[0].at_most(span[1]), span)
 }
 
 /// Cuts the spans of eight children along one axis.
@@ -154,18 +184,6 @@ fn narrow<T: Kernel>(
     let at = |planes, from| T::Octet::of_bytes(planes) * T::Octet::all(scale) + T::Octet::all(from);
     *enter = at(low, to_near).greater(*enter);
     *leave = at(high, to_far).lesser(*leave);
-}
-
-/// Moves bit `i` of eight to `i ^ octant`.
-#[inline(always)]
-fn in_octant_order(bits: u32, octant: u32) -> u32 {
-    let mut bits = bits;
-    for (by, low) in [(4, 0x0f), (2, 0x33), (1, 0x55)] {
-        if octant & by != 0 {
-            bits = (bits & low) << by | bits >> by & low;
-        }
-    }
-    bits
 }
 
 /// Along one axis: where on the ray plane 0 lies, early and late, and how far apart planes lie.
@@ -251,7 +269,7 @@ mod tests {
             let ray = bvh_ray(b, direction);
             let near = if next() % 2 == 0 { T::ZERO } else { -T::ONE };
             let far = if next() % 2 == 0 { T::ONE } else { T::INFINITY };
-            let found = children_met(&node, &ray, near, far);
+            let (found, _) = children_met(&node, &ray, near, far);
             assert_eq!(found, children_met_in_turn(&node, &ray, near, far), "{node:?} {ray:?}");
             met[found.count_ones() as usize] += 1;
         }
@@ -262,16 +280,5 @@ mod tests {
     fn children_met_at_once_are_those_met_in_turn() {
         eight_at_once_are_those_in_turn::<f32>();
         eight_at_once_are_those_in_turn::<f64>();
-    }
-
-    #[test]
-    fn bits_go_to_their_place_in_the_octant() {
-        for octant in 0..8 {
-            for bits in 0..256_u32 {
-                let expected =
-                    (0..8).filter(|i| bits >> i & 1 == 1).fold(0, |sum, i| sum | 1 << (i ^ octant));
-                assert_eq!(in_octant_order(bits, octant), expected, "{bits:08b} {octant}");
-            }
-        }
     }
 }

@@ -15,7 +15,7 @@ use super::bsdf::{luminance, sample_direction, scatter, surface};
 use super::camera::{pixel_key, pixel_ray};
 use super::environment::{Surroundings, light_density, light_from, sample_light};
 use super::frames::grid_position;
-use super::ray_space::{Distance, WorldRay, place, scene_radius};
+use super::ray_space::{Distance, GridStep, WorldRay, place, scene_radius};
 use super::section::{NO_PLANE, first_seen, hatch, section_plane, to_pair};
 use super::shade::{Shading, hit_material, leave_surface, surface_offset, visible_normal};
 use super::sobol::sample_pair;
@@ -443,7 +443,7 @@ fn catch_shadow(
     }
     let received = luminance(light_from(&paths.surroundings, from.direction)) * cosine;
     let share = received / (from.density * ground.irradiance);
-    let step = paths.shading.scene.header.grid_step as f32;
+    let step = GridStep::of(paths.shading.scene.header);
     let hit = RawHit {
         distance: to_pair(distance, step),
         instance: 0,

@@ -81,6 +81,8 @@ pub struct PartRay<T> {
     pub direction: Vector3<T>,
     /// What `direction` misses.
     pub direction_low: Vector3<T>,
+    /// 1 over the square of the direction's length.
+    pub per_square: T,
     /// Where on the world ray the origin lies.
     pub anchor: T,
     /// The point closest to the part's centre, for the BVH …
@@ -113,10 +115,28 @@ pub struct PreparedRay<T> {
     pub starts_outside: bool,
 }
 
-/// The nearest multiple of `step`, a power of two.
+/// The step of the grid, a power of two, and its reciprocal: products with both are exact.
+#[derive(Debug, Clone, Copy)]
+pub struct GridStep<T> {
+    /// Millimetres.
+    pub size: T,
+    /// 1 / size.
+    pub per_size: T,
+}
+
+impl<T: Real> GridStep<T> {
+    /// That of a scene.
+    #[inline(always)]
+    pub fn of(header: &Header) -> Self {
+        let size = T::from_f64(header.grid_step);
+        Self { size, per_size: T::ONE / size }
+    }
+}
+
+/// The nearest multiple of `step`.
 #[inline(always)]
-pub fn whole_steps<T: Real>(value: T, step: T) -> T {
-    (value / step + number(0.5)).floor() * step
+pub fn whole_steps<T: Real>(value: T, step: GridStep<T>) -> T {
+    (value * step.per_size + number(0.5)).floor() * step.size
 }
 
 /// Brings a ray into the world's grid; `None` where it cannot meet the scene.
@@ -126,30 +146,36 @@ pub fn prepare<T: Real>(ray: &Ray, header: &Header) -> Option<PreparedRay<T>> {
 
 /// Brings a ray into the world's grid; `None` where it cannot come as near as `radius` to the world's origin.
 pub fn place<T: Real>(ray: &Ray, header: &Header, radius: f64) -> Option<PreparedRay<T>> {
-    let step = header.grid_step;
-    let direction = ray.direction.try_normalize()?;
+    let step = GridStep::<f64>::of(header);
+    let direction = unit(ray.direction)?;
     let from_anchor = ray.origin - DVec3::from_array(header.world_anchor);
     let along = -from_anchor.dot(direction);
     let closest = from_anchor + direction * along;
     // Not "greater": a ray of NaNs fails this test as well.
-    if !(closest.length() <= radius) || along < -2.0 * radius {
+    if !(closest.length_squared() <= radius * radius) || along < -2.0 * radius {
         return None;
     }
-    let grid = (closest / step).round();
+    let grid = (closest * step.per_size).round();
     let narrow = Vector3::<T>::from_f64(direction.to_array());
     let near = -along.min(2.0 * radius);
     let near_anchor = whole_steps(near, step);
     Some(PreparedRay {
         ray: WorldRay {
             grid: [grid.x as i32, grid.y as i32, grid.z as i32],
-            fraction: Vector3::from_f64((closest - grid * step).to_array()),
+            fraction: Vector3::from_f64((closest - grid * step.size).to_array()),
             direction: narrow,
             direction_low: Vector3::from_f64((direction - narrow.to_f64()).to_array()),
         },
         start: along,
         near: Distance { anchor: T::from_f64(near_anchor), offset: T::from_f64(near - near_anchor) },
-        starts_outside: along > 0.0 && from_anchor.length() > radius,
+        starts_outside: along > 0.0 && from_anchor.length_squared() > radius * radius,
     })
+}
+
+/// A direction of length 1, as most are already; `None` where it has none.
+fn unit(direction: DVec3) -> Option<DVec3> {
+    let square = direction.length_squared();
+    if (square - 1.0).abs() <= 4.0 * f64::EPSILON { Some(direction) } else { direction.try_normalize() }
 }
 
 /// A radius around the world's origin that holds the scene.
@@ -163,15 +189,15 @@ pub fn scene_radius(header: &Header) -> f64 {
 pub fn enter_instance<T: Real>(
     ray: &WorldRay<T>,
     instance: &InstanceFrame<T>,
-    step: T,
+    step: GridStep<T>,
 ) -> Option<PartRay<T>> {
     let grid = grid_difference(ray.grid, instance.grid);
-    let base = grid_position(grid, step);
+    let base = grid_position(grid, step.size);
     let rest = ray.fraction - instance.fraction;
     let anchor = whole_steps(-(base + rest).dot(ray.direction), step);
     let near = ray.direction.fused(anchor, base) + (rest + ray.direction_low * anchor);
     // The anchor is up to half a step off the closest approach.
-    let slack = instance.radius * number(0.001) + step;
+    let slack = instance.radius * number(0.001) + step.size;
     if instance.is_translation {
         let reach = instance.radius + slack;
         if !(near.dot(near) <= reach * reach) {
@@ -182,6 +208,7 @@ pub fn enter_instance<T: Real>(
             fraction: rest,
             direction: ray.direction,
             direction_low: ray.direction_low,
+            per_square: T::ONE,
             anchor: T::ZERO,
             near_origin: near,
             near_anchor: anchor,
@@ -198,6 +225,7 @@ pub fn enter_instance<T: Real>(
         fraction: origin,
         direction,
         direction_low: Vector3::default(),
+        per_square: T::ONE / direction.dot(direction),
         anchor,
         near_origin: origin,
         near_anchor: anchor,
@@ -206,7 +234,7 @@ pub fn enter_instance<T: Real>(
 
 /// The ray in the space of a carrier's frame, whose axes it still has to be turned to.
 #[inline]
-pub fn approach_frame<T: Real>(ray: &PartRay<T>, face: &FaceFrame<T>, step: T) -> PrimitiveRay<T> {
+pub fn approach_frame<T: Real>(ray: &PartRay<T>, face: &FaceFrame<T>, step: GridStep<T>) -> PrimitiveRay<T> {
     approach(ray, face.grid, face.offset, Vector3::default(), step)
 }
 
@@ -216,7 +244,7 @@ pub fn approach_point<T: Real>(
     ray: &PartRay<T>,
     face_grid: [i32; 3],
     center: Vector3<T>,
-    step: T,
+    step: GridStep<T>,
 ) -> PrimitiveRay<T> {
     approach(ray, face_grid, Vector3::default(), center, step)
 }
@@ -228,12 +256,12 @@ fn approach<T: Real>(
     grid: [i32; 3],
     shift: Vector3<T>,
     center: Vector3<T>,
-    step: T,
+    step: GridStep<T>,
 ) -> PrimitiveRay<T> {
-    let base = grid_position(grid_difference(ray.grid, grid), step);
+    let base = grid_position(grid_difference(ray.grid, grid), step.size);
     let rest = ray.fraction - shift;
     let d = ray.direction;
-    let slide = whole_steps((center - (base + rest)).dot(d) / d.dot(d), step);
+    let slide = whole_steps((center - (base + rest)).dot(d) * ray.per_square, step);
     let origin = d.fused(slide, base) + (rest + ray.direction_low * slide);
     PrimitiveRay { origin, direction: d, anchor: ray.anchor + slide }
 }

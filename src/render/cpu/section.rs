@@ -8,7 +8,7 @@
 
 use super::frames::grid_position;
 use super::hit::hit_normal;
-use super::ray_space::{Distance, WorldRay, scene_radius, whole_steps};
+use super::ray_space::{Distance, GridStep, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
 use super::trace::{RawHit, comes_before, first_hit_before, trace};
 use super::vector::Vector3;
@@ -188,7 +188,7 @@ fn is_uncut(scene: &Scene<'_>, hit: &RawHit<f32>) -> bool {
 }
 
 /// A distance as a pair.
-pub fn to_pair(t: f32, step: f32) -> Distance<f32> {
+pub fn to_pair(t: f32, step: GridStep<f32>) -> Distance<f32> {
     let anchor = whole_steps(t, step);
     Distance { anchor, offset: t - anchor }
 }
@@ -214,7 +214,7 @@ pub fn first_hit_of(
 
 /// The hit by which a ray leaves the body that it is in at `enter`, moved there; `None` where it is in none.
 fn cap_hit(scene: &Scene<'_>, exactness: Exactness, ray: &WorldRay<f32>, enter: f32) -> Option<RawHit<f32>> {
-    let step = scene.header.grid_step as f32;
+    let step = GridStep::of(scene.header);
     let mut near = to_pair(enter + surface_offset(scene), step);
     let body = |hit: &RawHit<f32>| [hit.instance, scene.faces[hit.face as usize].body];
     let mut settled = [[0; 2]; MAX_SETTLED];

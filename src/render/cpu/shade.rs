@@ -8,7 +8,7 @@ use super::light::{
     SPECULAR_REFLECTANCE, SURFACE_OFFSET,
 };
 use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
-use super::ray_space::{Distance, WorldRay, prepare, scene_radius, whole_steps};
+use super::ray_space::{Distance, GridStep, WorldRay, prepare, scene_radius, whole_steps};
 use super::section::{Cut, NO_PLANE, Seen, WorldSection, first_seen, hatch, section_plane};
 use super::trace::RawHit;
 use super::vector::{Vector3, vec3};
@@ -396,15 +396,15 @@ pub(super) fn leave_surface(
     direction: Vector3<f32>,
     offset: f32,
 ) -> WorldRay<f32> {
-    let step = scene.header.grid_step as f32;
-    let base = super::frames::grid_position(ray.grid, step);
+    let step = GridStep::of(scene.header);
+    let base = super::frames::grid_position(ray.grid, step.size);
     // The anchor is exact, the offset small: two fused steps.
     let at_anchor = ray.direction.fused(hit.distance.anchor, base);
     let rest = ray.fraction + ray.direction_low * hit.distance.anchor + ray.direction * hit.distance.offset;
     let position = at_anchor + (rest + n * offset);
     let whole =
         vec3(whole_steps(position.x, step), whole_steps(position.y, step), whole_steps(position.z, step));
-    let steps = whole * (1.0 / step);
+    let steps = whole * step.per_size;
     WorldRay {
         grid: [steps.x as i32, steps.y as i32, steps.z as i32],
         fraction: position - whole,

@@ -5,7 +5,7 @@
 //! All real roots are found, in order. The quartic itself is evaluated as the product of two differences that do not cancel,
 //! `((ρ − R)² + z² − r²) · ((ρ + R)² + z² − r²)` with ρ the distance from the axis; the coefficients serve the derivatives only.
 
-use super::analytic::Roots;
+use super::analytic::{Roots, Span};
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
 
@@ -25,8 +25,8 @@ struct Quartic<T> {
     c0: T,
 }
 
-/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included.
-pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) -> Roots<T> {
+/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included. What a box leaves of a line is mostly monotone, and done with two values.
+pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, span: &Span<T>) -> Roots<T> {
     let mut roots = Roots::none();
     let size = major + minor;
     let length = d.length();
@@ -41,7 +41,11 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T) ->
         return roots;
     }
     let half = square.sqrt();
-    let (mut from, mut to) = (-half, half);
+    let [begin, end] = span.scaled(length, T::ONE / size);
+    let (mut from, mut to) = ((begin - slide).max(-half), (end - slide).min(half));
+    if !(from < to) {
+        return roots;
+    }
     let quartic = quartic(origin, direction, major / size, minor / size);
     clip_to_slab(&mut from, &mut to, origin.z, direction.z, quartic.minor + number::<T>(16.0) * T::EPSILON);
     if !(from < to) {

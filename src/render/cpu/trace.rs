@@ -1,13 +1,13 @@
 //! From a world ray to hits: the top BVH, the instances' BVHs, the primitives.
 
-use super::analytic::{carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
+use super::analytic::{Span, carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
 use super::bvh::{bvh_ray, next_primitive, start_walk};
 use super::cover::{Cover, cover, is_far_outside, to_window, window_margin};
 use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
 use super::net::{NetRoot, leaf_domain, leaf_roots};
 use super::ray_space::{
-    Distance, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
+    Distance, GridStep, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number};
@@ -136,20 +136,20 @@ pub fn trace_tallied<T: Kernel>(
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
     tally: &mut impl Tally,
 ) {
-    let step = number::<T>(scene.header.grid_step);
+    let step = GridStep::of(scene.header);
+    if scene.instances.len() == 1 {
+        trace_instance(scene, search, ray, step, 0, near, far, accept, tally);
+        return;
+    }
     let mut far = far;
-    let top = bvh_ray(grid_position(ray.grid, step) + ray.fraction, ray.direction);
+    let top = bvh_ray(grid_position(ray.grid, step.size) + ray.fraction, ray.direction);
     let mut instances = start_walk(0, scene.header.node_count, 0);
     loop {
         let (from, to) = (near.beyond(T::ZERO), far.beyond(T::ZERO));
-        let Some(instance) = next_primitive(&mut instances, scene, &top, from, to, tally) else {
+        let Some(met) = next_primitive(&mut instances, scene, &top, from, to, tally) else {
             return;
         };
-        let Some(part_ray) = enter_instance(ray, &T::instance(scene, instance), step) else {
-            continue;
-        };
-        tally.count(Step::Instance);
-        match trace_part(scene, search, &part_ray, instance, near, far, accept, tally) {
+        match trace_instance(scene, search, ray, step, met.word, near, far, accept, tally) {
             Some(nearer) => far = nearer,
             None => return,
         }
@@ -157,10 +157,32 @@ pub fn trace_tallied<T: Kernel>(
 }
 
 /// The hits of one instance; the new `far`, or `None` to stop.
+fn trace_instance<T: Kernel>(
+    scene: &Scene<'_>,
+    search: NetSearch,
+    ray: &WorldRay<T>,
+    step: GridStep<T>,
+    instance: u32,
+    near: Distance<T>,
+    far: Distance<T>,
+    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    tally: &mut impl Tally,
+) -> Option<Distance<T>> {
+    match enter_instance(ray, &T::instance(scene, instance), step) {
+        Some(part_ray) => {
+            tally.count(Step::Instance);
+            trace_part(scene, search, &part_ray, step, instance, near, far, accept, tally)
+        }
+        None => Some(far),
+    }
+}
+
+/// The hits of an instance's part.
 fn trace_part<T: Kernel>(
     scene: &Scene<'_>,
     search: NetSearch,
     ray: &PartRay<T>,
+    step: GridStep<T>,
     instance: u32,
     near: Distance<T>,
     far: Distance<T>,
@@ -173,13 +195,15 @@ fn trace_part<T: Kernel>(
     let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
     loop {
         let (from, to) = (near.beyond(ray.near_anchor), far.beyond(ray.near_anchor));
-        let Some(word) = next_primitive(&mut primitives, scene, &boxes, from, to, tally) else {
+        let Some(met) = next_primitive(&mut primitives, scene, &boxes, from, to, tally) else {
             return Some(far);
         };
-        far = match unpack(word) {
-            Primitive::Face(face) => trace_face(scene, ray, instance, face, near, far, accept, tally)?,
+        far = match unpack(met.word) {
+            Primitive::Face(face) => {
+                trace_face(scene, ray, step, instance, face, met.span, near, far, accept, tally)?
+            }
             Primitive::NetLeaf(leaf) => {
-                trace_leaf(scene, search, ray, instance, leaf, near, far, accept, tally)?
+                trace_leaf(scene, search, ray, step, instance, leaf, near, far, accept, tally)?
             }
         };
     }
@@ -189,12 +213,14 @@ fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance
     distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO
 }
 
-/// The hits of an analytic face.
+/// The hits of an analytic face, whose box holds `span` of the ray.
 fn trace_face<T: Kernel>(
     scene: &Scene<'_>,
     part_ray: &PartRay<T>,
+    step: GridStep<T>,
     instance: u32,
     index: u32,
+    span: [T; 2],
     near: Distance<T>,
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
@@ -203,10 +229,11 @@ fn trace_face<T: Kernel>(
     let mut far = far;
     tally.count(Step::Face);
     let face: FaceFrame<T> = T::face(scene, index);
-    let ray = approach_frame(part_ray, &face, number(scene.header.grid_step));
+    let ray = approach_frame(part_ray, &face, step);
     let origin = apply_rows(&face.axes, ray.origin);
     let direction = apply_rows(&face.axes, ray.direction);
-    let roots = carrier_roots(face.kind, origin, direction, face.radii);
+    let span = Span { ends: span.map(|t| (part_ray.near_anchor - ray.anchor) + t), slack: face.slack };
+    let roots = carrier_roots(face.kind, origin, direction, face.radii, &span);
     for i in 0..roots.count {
         let t = roots.t[i];
         let distance = Distance { anchor: ray.anchor, offset: t };
@@ -241,6 +268,7 @@ fn trace_leaf<T: Kernel>(
     scene: &Scene<'_>,
     search: NetSearch,
     part_ray: &PartRay<T>,
+    step: GridStep<T>,
     instance: u32,
     index: u32,
     near: Distance<T>,
@@ -254,7 +282,7 @@ fn trace_leaf<T: Kernel>(
     let net = &scene.nets[leaf.net as usize];
     let face = &scene.faces[net.face as usize];
     let center = Vector3::from_f32(leaf.center);
-    let ray = approach_point(part_ray, face.grid, center, number(scene.header.grid_step));
+    let ray = approach_point(part_ray, face.grid, center, step);
     let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
     let roots = leaf_roots(scene, leaf, net, &ray, from, to, search, number(face.slack.into()), tally);
     for i in 0..roots.count {

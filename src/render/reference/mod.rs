@@ -12,14 +12,14 @@ mod widened;
 pub use widened::widened;
 
 use super::cpu::NO_NET;
-use super::cpu::analytic::{carrier_normal, carrier_parameters, carrier_roots};
+use super::cpu::analytic::{Span, carrier_normal, carrier_parameters, carrier_roots};
 use super::cpu::bernstein::{net_degrees, net_jet};
 use super::cpu::cover::to_window;
 use super::cpu::frames::{FaceFrame, Kernel};
 use super::cpu::hit::{body_of, finish_hit};
 use super::cpu::parity::odd_bodies;
 use super::cpu::ray_space::{
-    Distance, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
+    Distance, GridStep, PartRay, apply_rows, approach_frame, approach_point, enter_instance, prepare,
 };
 use super::cpu::trace::{Certainty, RawHit, face_parameters};
 use super::cpu::trim::trim_inside;
@@ -124,7 +124,9 @@ impl<'a> Reference<'a> {
         let mut found = Vec::new();
         for index in 0..self.scene.instances.len() as u32 {
             let instance = f64::instance(&self.scene, index);
-            let Some(part_ray) = enter_instance(&prepared.ray, &instance, header.grid_step) else { continue };
+            let Some(part_ray) = enter_instance(&prepared.ray, &instance, GridStep::of(header)) else {
+                continue;
+            };
             let contents = &self.parts[self.scene.instances[index as usize].part as usize];
             for &(face, size) in &contents.faces {
                 self.meet_face(&part_ray, index, face, size, &mut found)?;
@@ -161,17 +163,17 @@ impl<'a> Reference<'a> {
         size: f64,
         found: &mut Vec<Candidate>,
     ) -> Option<()> {
-        let step = self.scene.header.grid_step;
+        let step = GridStep::of(self.scene.header);
         let face = f64::face(&self.scene, index);
         let ray = approach_frame(part_ray, &face, step);
         let (origin, direction) = (apply_rows(&face.axes, ray.origin), apply_rows(&face.axes, ray.direction));
         let unit = direction * (1.0 / direction.length());
-        let tolerance = TOLERANCE * size + step * f64::from(f32::EPSILON);
-        let roots = carrier_roots(face.kind, origin, direction, face.radii);
+        let tolerance = TOLERANCE * size + step.size * f64::from(f32::EPSILON);
+        let roots = carrier_roots(face.kind, origin, direction, face.radii, &Span::whole());
         let changed = |by: f64| {
             let mut radii = face.radii;
             radii[usize::from(face.kind == FaceKind::Torus as u32)] += by;
-            carrier_roots(face.kind, origin, direction, radii).count
+            carrier_roots(face.kind, origin, direction, radii, &Span::whole()).count
         };
         if changed(tolerance) != roots.count || changed(-tolerance) != roots.count {
             return None;
@@ -226,12 +228,12 @@ impl<'a> Reference<'a> {
     ) -> Option<()> {
         let scene = &self.scene;
         let NetContent { index, ref bounds, tolerance } = *content;
-        let step = scene.header.grid_step;
+        let step = GridStep::of(scene.header);
         let net = &scene.nets[index as usize];
         let face = &scene.faces[net.face as usize];
         let ray = approach_point(part_ray, face.grid, Vector3::from_f64(bounds.center().to_array()), step);
         let size = bounds.diagonal();
-        let tolerance = tolerance * size + step * f64::from(f32::EPSILON);
+        let tolerance = tolerance * size + step.size * f64::from(f32::EPSILON);
         let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64().normalize());
         if passes_by(&bounds.grown(2.0 * tolerance.max(face.slack.into())), origin, direction) {
             return Some(());
