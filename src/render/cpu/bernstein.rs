@@ -9,21 +9,42 @@ use crate::scene::{Net, Scene};
 /// One more than the highest degree of a net.
 pub const MAX_ORDER: usize = 26;
 
-/// The basis functions of `degree`, at least 1, at `t` and their derivatives, by the triangular recurrence `Bᵢⁿ = (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹`, stable also for high
-/// degrees. `ORDER`, above the degree, is the room: small arrays stay in registers.
+/// binomial(n, i), of at most 23 bits.
+const BINOMIALS: [[f32; MAX_ORDER]; MAX_ORDER] = binomials();
+
+const fn binomials() -> [[f32; MAX_ORDER]; MAX_ORDER] {
+    let mut rows = [[0.0; MAX_ORDER]; MAX_ORDER];
+    let mut n = 0;
+    while n < MAX_ORDER {
+        rows[n][0] = 1.0;
+        let mut i = 1;
+        while i <= n {
+            rows[n][i] = rows[n - 1][i - 1] + rows[n - 1][i];
+            i += 1;
+        }
+        n += 1;
+    }
+    rows
+}
+
+/// The basis functions of `degree`, at least 1, at `t` and their derivatives, from those of the degree below, `binomial(m, i) tⁱ (1 − t)ᵐ⁻ⁱ`, each a product of
+/// m + 1 roundings. `ORDER`, above the degree, is the room: small arrays stay in registers.
 #[inline(always)]
 pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
     let mut basis = [T::ZERO; ORDER];
     let mut slopes = [T::ZERO; ORDER];
     let s = T::ONE - t;
-    basis[0] = T::ONE;
-    for n in 1..degree {
-        let mut left = T::ZERO;
-        for value in &mut basis[..=n] {
-            (*value, left) = (left + s * *value, t * *value);
-        }
+    let mut power = T::ONE;
+    for (value, &binomial) in basis[..degree].iter_mut().zip(&BINOMIALS[degree - 1]) {
+        *value = T::from_f32(binomial) * power;
+        power = power * t;
     }
-    // The last step also gives the derivatives: n (Bᵢ₋₁ⁿ⁻¹ − Bᵢⁿ⁻¹).
+    let mut power = T::ONE;
+    for value in basis[..degree].iter_mut().rev() {
+        *value = *value * power;
+        power = power * s;
+    }
+    // A step of the recurrence, (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹, and the derivatives, n (Bᵢ₋₁ⁿ⁻¹ − Bᵢⁿ⁻¹).
     let factor = T::from_f32(degree as f32);
     let mut before = T::ZERO;
     for (value, slope) in basis[..=degree].iter_mut().zip(&mut slopes) {

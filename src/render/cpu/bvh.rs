@@ -9,7 +9,7 @@
 use super::Kernel;
 use super::lanes::Octet;
 use super::tally::{Step, Tally};
-use super::vector::{Vector3, number, vec3};
+use super::vector::{Vector3, number};
 use crate::numeric::Real;
 use crate::scene::{BvhNode, MAX_TREE_DEPTH, Scene};
 use arrayvec::ArrayVec;
@@ -20,12 +20,22 @@ const STACK_SIZE: usize = 7 * MAX_TREE_DEPTH + 1;
 /// A ray as the node test wants it.
 #[derive(Debug, Clone, Copy)]
 pub struct BvhRay<T> {
-    /// The origin.
-    pub origin: Vector3<T>,
-    /// 1 / direction, ±1e18 where the direction is 0.
-    pub inverse: Vector3<T>,
+    /// Along x, y and z.
+    axes: [AxisRay<T>; 3],
     /// A bit per axis (x: 4, y: 2, z: 1), set where the ray does not run backwards.
-    pub octant: u32,
+    octant: u32,
+}
+
+/// A ray along one axis.
+#[derive(Debug, Clone, Copy)]
+struct AxisRay<T> {
+    origin: T,
+    /// 1 / direction, ±1e18 where the direction is 0.
+    inverse: T,
+    /// How far a plane's position on the ray may be off, by millimetre of the terms that it is computed from; see [`axis_terms`] …
+    rounding: T,
+    /// … and what the origin has of it.
+    origin_rounding: T,
 }
 
 /// A walk in progress.
@@ -65,9 +75,13 @@ pub struct Met<T> {
 #[inline]
 pub fn bvh_ray<T: Real>(origin: Vector3<T>, direction: Vector3<T>) -> BvhRay<T> {
     let bit = |component: T, bit: u32| if component < T::ZERO { 0 } else { bit };
+    let axis = |origin: T, direction: T| {
+        let inverse = inverse(direction);
+        let rounding = inverse.abs() * (number::<T>(8.0) * T::EPSILON);
+        AxisRay { origin, inverse, rounding, origin_rounding: origin.abs() * rounding }
+    };
     BvhRay {
-        origin,
-        inverse: vec3(inverse(direction.x), inverse(direction.y), inverse(direction.z)),
+        axes: [axis(origin.x, direction.x), axis(origin.y, direction.y), axis(origin.z, direction.z)],
         octant: bit(direction.x, 4) | bit(direction.y, 2) | bit(direction.z, 1),
     }
 }
@@ -164,9 +178,10 @@ fn intersect_node<T: Kernel>(
 /// numbers in nodes of up to 10²⁰ mm.
 #[inline(always)]
 fn children_met<T: Kernel>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> (u32, [T::Octet; 2]) {
-    let x = axis_terms(node.p[0], node.e[0], ray.origin.x, ray.inverse.x);
-    let y = axis_terms(node.p[1], node.e[1], ray.origin.y, ray.inverse.y);
-    let z = axis_terms(node.p[2], node.e[2], ray.origin.z, ray.inverse.z);
+    let [x, y, z] = &ray.axes;
+    let x = axis_terms(node.p[0], node.e[0], x);
+    let y = axis_terms(node.p[1], node.e[1], y);
+    let z = axis_terms(node.p[2], node.e[2], z);
     let mut span = [T::Octet::all(near), T::Octet::all(far)];
     narrow::<T>(&mut span, order(ray.octant & 4 != 0, &node.child_min_x, &node.child_max_x), x);
     narrow::<T>(&mut span, order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y), y);
@@ -191,14 +206,12 @@ fn narrow<T: Kernel>(
 /// A plane's position takes five roundings of terms no greater than `|origin| + |p − origin| + 255 · spacing`: early and late differ from
 /// the rounded value by 8 ε of that sum.
 #[inline(always)]
-fn axis_terms<T: Real>(p: f32, exponent: u8, origin: T, inverse: T) -> [T; 3] {
+fn axis_terms<T: Real>(p: f32, exponent: u8, ray: &AxisRay<T>) -> [T; 3] {
     let spacing = T::from_f32(f32::from_bits(u32::from(exponent) << 23));
-    let start = T::from_f32(p) - origin;
-    let slack = (origin.abs() + start.abs() + spacing * number(255.0))
-        * inverse.abs()
-        * number::<T>(8.0)
-        * T::EPSILON;
-    [start * inverse - slack, start * inverse + slack, spacing * inverse]
+    let start = T::from_f32(p) - ray.origin;
+    let slack = (start.abs() + spacing * number(255.0)) * ray.rounding + ray.origin_rounding;
+    let at = start * ray.inverse;
+    [at - slack, at + slack, spacing * ray.inverse]
 }
 
 #[inline(always)]
@@ -208,6 +221,7 @@ fn order<'a>(forward: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> (&'a [u8; 8],
 
 #[cfg(test)]
 mod tests {
+    use super::super::vector::vec3;
     use super::*;
 
     /// What [`children_met`] says, child by child.
@@ -217,12 +231,10 @@ mod tests {
             order(ray.octant & 2 != 0, &node.child_min_y, &node.child_max_y),
             order(ray.octant & 1 != 0, &node.child_min_z, &node.child_max_z),
         ];
-        let (origin, inverse) = (ray.origin.to_array(), ray.inverse.to_array());
         let is_met = |child: usize| {
             let (mut enter, mut leave) = (near, far);
             for axis in 0..3 {
-                let [to_near, to_far, scale] =
-                    axis_terms(node.p[axis], node.e[axis], origin[axis], inverse[axis]);
+                let [to_near, to_far, scale] = axis_terms(node.p[axis], node.e[axis], &ray.axes[axis]);
                 let at = |plane: u8, from: T| T::from_f32(f32::from(plane)) * scale + from;
                 let (low, high) = planes[axis];
                 (enter, leave) = (enter.max(at(low[child], to_near)), leave.min(at(high[child], to_far)));
