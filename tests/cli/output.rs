@@ -260,3 +260,32 @@ fn pictures_are_compared() {
     bench.run("diff a.png missing.png").expect(1);
     bench.run("diff a.png a.png --tolerance -1").expect(2);
 }
+
+/// A cube seen from the front: each ray that meets it needs one face, and no other step of nets or trims.
+#[test]
+fn stats_count_what_rays_take() {
+    let bench = Bench::new();
+    let flags = "--resolution 40,40 --samples 4 --device cpu --view front";
+    let outcome = bench.run(&format!("render cube.step -o a.png {flags} --stats")).expect(0);
+    assert!(
+        outcome.stderr.contains("1600 rays, ") && outcome.stderr.contains(" analytic faces"),
+        "{}",
+        outcome.stderr
+    );
+    let rays = &json(&bench.run(&format!("render cube.step -o a.png {flags} --stats --json")).expect(0))["inputs"]
+        [0]["rays"];
+    let count = |name: &str| rays[name].as_u64().unwrap_or_else(|| panic!("{name} in {rays}"));
+    assert_eq!(count("rays"), 1600);
+    assert!(count("hit") > 1000 && count("hit") < 1600 && count("nodes") >= count("hit"), "{rays}");
+    assert!(count("faces") >= count("hit") && count("faces") < 2 * count("hit"), "{rays}");
+    assert_eq!(count("leaves") + count("newton_steps") + count("exact_trim_tests"), 0, "{rays}");
+    assert!(
+        json(&bench.run(&format!("render cube.step -o a.png {flags} --json")).expect(0))["inputs"][0]
+            .get("rays")
+            .is_none()
+    );
+    let outcome =
+        bench.run_with("probe cube.step --rays - --stats", "5 4 30 0 0 -1\n50 50 50 1 0 0\n").expect(0);
+    assert_eq!(outcome.text().lines().count(), 2);
+    assert!(outcome.stderr.contains("2 rays, 50.0 % of them with a hit"), "{}", outcome.stderr);
+}

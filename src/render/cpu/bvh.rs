@@ -223,6 +223,7 @@ fn order<'a>(forward: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> (&'a [u8; 8],
 mod tests {
     use super::super::vector::vec3;
     use super::*;
+    use crate::scene::SceneBuffers;
 
     /// What [`children_met`] says, child by child.
     fn children_met_in_turn<T: Real>(node: &BvhNode, ray: &BvhRay<T>, near: T, far: T) -> u32 {
@@ -286,6 +287,57 @@ mod tests {
             met[found.count_ones() as usize] += 1;
         }
         assert!(met[0] > 100 && met[1] > 100 && met[2] > 100, "{met:?}");
+    }
+
+    /// A node of eight faces behind each other, in the slots by `place`, and no others.
+    fn row(place: impl Fn(usize) -> u8) -> BvhNode {
+        let low: [u8; 8] = std::array::from_fn(|slot| 20 * place(slot));
+        let high = low.map(|x| x + 10);
+        BvhNode {
+            p: [0.0; 3],
+            e: [127; 3],
+            imask: 0,
+            child_base: 0,
+            primitive_base: 0,
+            child_meta: std::array::from_fn(|slot| 1 << 5 | slot as u8),
+            child_min_x: low,
+            child_max_x: high,
+            child_min_y: [0; 8],
+            child_max_y: [10; 8],
+            child_min_z: [0; 8],
+            child_max_z: [10; 8],
+        }
+    }
+
+    #[test]
+    fn primitives_come_by_distance_and_not_beyond_the_far_end() {
+        let place = |slot: usize| (slot * 5 % 8) as u8;
+        let mut buffers = SceneBuffers::default();
+        buffers.bvh_nodes = vec![row(place)];
+        buffers.primitives = (0..8).map(|slot| u32::from(place(slot))).collect();
+        let scene = buffers.scene();
+        for (direction, order) in [(1.0, [0, 1, 2, 3, 4, 5, 6, 7]), (-1.0, [7, 6, 5, 4, 3, 2, 1, 0])] {
+            let origin = vec3(80.0 - 200.0 * direction, 5.0, 5.0);
+            let ray = bvh_ray::<f32>(origin, vec3(direction, 0.0, 0.0));
+            let mut walk = start_walk(0, 1, 0);
+            let mut far = f32::INFINITY;
+            for expected in &order[..5] {
+                let met = next_primitive(&mut walk, &scene, &ray, 0.0, far, &mut ()).expect("a face");
+                assert_eq!(met.word, *expected);
+                let begin = 200.0
+                    + if direction > 0.0 {
+                        20.0 * *expected as f32 - 80.0
+                    } else {
+                        70.0 - 20.0 * *expected as f32
+                    };
+                assert!(
+                    (met.span[0] - begin).abs() < 1e-3 && (met.span[1] - begin - 10.0).abs() < 1e-3,
+                    "{met:?}"
+                );
+                far = begin + 95.0 - 20.0 * met.word.abs_diff(order[0]) as f32;
+            }
+            assert!(next_primitive(&mut walk, &scene, &ray, 0.0, far, &mut ()).is_none());
+        }
     }
 
     #[test]

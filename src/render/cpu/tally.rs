@@ -142,3 +142,37 @@ fn count_ray<T: Kernel>(
     trace_tallied(scene, search, &prepared.ray, prepared.near, Distance::INFINITE, &mut accept, sum);
     sum.hit += u64::from(first.is_some());
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Precision;
+    use super::super::probe::probe;
+    use super::super::test_scenes::{Random, TestFace, scene_of};
+    use super::*;
+    use crate::render::Exactness;
+    use crate::scene::FaceKind;
+    use glam::{DAffine3, DVec3};
+
+    #[test]
+    fn steps_of_a_sphere_are_those_that_it_takes() {
+        use std::f64::consts::{FRAC_PI_2, TAU};
+        let face = TestFace::analytic(FaceKind::Sphere, [1.0, 0.0], [0.0, -FRAC_PI_2], [TAU, FRAC_PI_2]);
+        let scene = scene_of(&[face], &[DAffine3::IDENTITY]);
+        let scene = scene.scene();
+        let mut random = Random(5);
+        let rays: Vec<Ray> = (0..1000)
+            .map(|_| Ray { origin: random.point(1.2) - DVec3::X * 3.0, direction: DVec3::X })
+            .collect();
+        let hits = probe(&scene, &rays, Precision::F32, true);
+        for first_only in [true, false] {
+            let counts = count_steps(&scene, rays.par_iter().copied(), Exactness::Exact, first_only);
+            assert_eq!(counts.rays, 1000);
+            assert_eq!(counts.hit, hits.iter().filter(|hits| !hits.is_empty()).count() as u64);
+            let faces = counts.of(Step::Face);
+            assert!(
+                faces >= counts.hit && faces <= counts.of(Step::Node) && faces <= counts.of(Step::Instance)
+            );
+            assert_eq!(counts.of(Step::Leaf) + counts.of(Step::Search) + counts.trims.queries, 0);
+        }
+    }
+}

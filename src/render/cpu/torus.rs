@@ -176,3 +176,51 @@ fn root_between<T: Real>(low: T, high: T, f: impl Fn(T) -> T, derivative: impl F
     }
     Some(t)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_scenes::Random;
+    use super::*;
+
+    /// Of a line those roots are left out that its span does not hold, and no others.
+    fn spans_only_leave_out_roots<T: Real>(tolerance: f64) {
+        let mut random = Random(11);
+        let mut counts = [0; 5];
+        for _ in 0..20_000 {
+            let scale = 10.0_f64.powf(random.unit() * 4.0 - 2.0);
+            let [major, minor] = [scale, scale * (0.05 + random.unit())];
+            let size = major + minor;
+            let [a, b] = [random.point(size), random.point(size)];
+            let line = |t: f64| a + (b - a) * t;
+            let (o, d) = (a.to_array(), (b - a).to_array());
+            let (o, d) = (Vector3::<T>::from_f64(o), Vector3::<T>::from_f64(d));
+            let all = torus_roots(o, d, T::from_f64(major), T::from_f64(minor), &Span::whole());
+            let middle = random.unit() * 2.0 - 0.5;
+            let half = random.unit() * 0.5;
+            let ends = [middle - half, middle + half].map(T::from_f64);
+            let span = Span { ends, slack: T::from_f64(size * 1e-6) };
+            let some = torus_roots(o, d, T::from_f64(major), T::from_f64(minor), &span);
+            let all: Vec<f64> = all.t[..all.count].iter().map(|t| t.to_f64()).collect();
+            let some: Vec<f64> = some.t[..some.count].iter().map(|t| t.to_f64()).collect();
+            // Lines that nearly touch aside.
+            let is_clear = all.windows(2).all(|pair| (line(pair[1]) - line(pair[0])).length() > 1e-2 * size);
+            if !is_clear {
+                continue;
+            }
+            let near = |t: f64, others: &[f64]| {
+                others.iter().any(|&other| (line(t) - line(other)).length() <= tolerance * size)
+            };
+            let held = |t: f64| (t - middle).abs() <= half;
+            assert!(all.iter().filter(|&&t| held(t)).all(|&t| near(t, &some)), "{all:?} {some:?} {span:?}");
+            assert!(some.iter().all(|&t| near(t, &all)), "{all:?} {some:?} {span:?}");
+            counts[some.len()] += 1;
+        }
+        assert!(counts[0] > 1000 && counts[1] > 1000 && counts[2] > 300, "{counts:?}");
+    }
+
+    #[test]
+    fn what_is_out_of_the_span_is_left_out_and_nothing_else() {
+        spans_only_leave_out_roots::<f64>(1e-12);
+        spans_only_leave_out_roots::<f32>(2e-5);
+    }
+}
