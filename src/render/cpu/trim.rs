@@ -169,9 +169,11 @@ impl<T: Real, const NEAR: bool, const COUNT: bool> Query<'_, T, NEAR, COUNT> {
                 let at = self.beyond_cells() + offset as usize;
                 let head = self.scene.trim_nodes[at];
                 let entries = &self.scene.trim_nodes[at + 1..at + 1 + (head & !(1 << 31)) as usize];
-                entries.iter().fold(head >> 31 == 1, |state, entry| {
-                    state ^ self.flips(entry >> 30, entry & MAX_SEGMENT, is_near, counts)
-                })
+                let mut state = head >> 31 == 1;
+                for entry in entries {
+                    state ^= self.flips(entry >> 30, entry & MAX_SEGMENT, is_near, counts);
+                }
+                state
             }
             TrimWord::Inner { .. } | TrimWord::Tree { .. } => {
                 *is_near = true;
