@@ -1,7 +1,7 @@
 //! From a world ray to hits: the top BVH, the instances' BVHs, the primitives.
 
 use super::analytic::{Span, carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
-use super::bvh::{bvh_ray, next_primitive, start_walk};
+use super::bvh::{BvhRay, Met, Walk, bvh_ray, next_primitive, start_walk};
 use super::cover::{Cover, cover, is_far_outside, to_window, window_margin};
 use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
@@ -15,6 +15,7 @@ use super::{Kernel, NO_NET};
 use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
+use std::ops::ControlFlow;
 
 /// A hit as the kernels find it.
 #[derive(Debug, Clone, Copy)]
@@ -123,13 +124,13 @@ pub fn trace<T: Kernel>(
     far: Distance<T>,
     accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
 ) {
-    trace_tallied(scene, search.into(), ray, near, far, accept, &mut ());
+    trace_tallied(scene, search, ray, near, far, accept, &mut ());
 }
 
 /// [`trace`], taking note of its steps.
 pub fn trace_tallied<T: Kernel>(
     scene: &Scene<'_>,
-    search: NetSearch,
+    search: impl Into<NetSearch>,
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
@@ -137,169 +138,155 @@ pub fn trace_tallied<T: Kernel>(
     tally: &mut impl Tally,
 ) {
     let step = GridStep::of(scene.header);
-    if scene.instances.len() == 1 {
-        trace_instance(scene, search, ray, step, 0, near, far, accept, tally);
-        return;
-    }
-    let mut far = far;
-    let top = bvh_ray(grid_position(ray.grid, step.size) + ray.fraction, ray.direction);
-    let mut instances = start_walk(0, scene.header.node_count, 0);
-    loop {
-        let (from, to) = (near.beyond(T::ZERO), far.beyond(T::ZERO));
-        let Some(met) = next_primitive(&mut instances, scene, &top, from, to, tally) else {
-            return;
-        };
-        match trace_instance(scene, search, ray, step, met.word, near, far, accept, tally) {
-            Some(nearer) => far = nearer,
-            None => return,
-        }
-    }
+    let mut trace = Trace { scene, search: search.into(), step, near, far, accept, tally };
+    _ = trace.trace_instances(ray);
 }
 
-/// The hits of one instance; the new `far`, or `None` to stop.
-fn trace_instance<T: Kernel>(
-    scene: &Scene<'_>,
+/// A trace in progress.
+struct Trace<'t, T, A, C> {
+    scene: &'t Scene<'t>,
     search: NetSearch,
-    ray: &WorldRay<T>,
     step: GridStep<T>,
-    instance: u32,
+    /// Hits before this do not matter …
     near: Distance<T>,
+    /// … nor those beyond.
     far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
-    tally: &mut impl Tally,
-) -> Option<Distance<T>> {
-    match enter_instance(ray, &T::instance(scene, instance), step) {
-        Some(part_ray) => {
-            tally.count(Step::Instance);
-            trace_part(scene, search, &part_ray, step, instance, near, far, accept, tally)
-        }
-        None => Some(far),
-    }
+    accept: &'t mut A,
+    tally: &'t mut C,
 }
 
-/// The hits of an instance's part.
-fn trace_part<T: Kernel>(
-    scene: &Scene<'_>,
-    search: NetSearch,
-    ray: &PartRay<T>,
-    step: GridStep<T>,
-    instance: u32,
-    near: Distance<T>,
-    far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
-    tally: &mut impl Tally,
-) -> Option<Distance<T>> {
-    let part = &scene.parts[scene.instances[instance as usize].part as usize];
-    let mut far = far;
-    let boxes = bvh_ray(ray.near_origin, ray.direction);
-    let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
-    loop {
-        let (from, to) = (near.beyond(ray.near_anchor), far.beyond(ray.near_anchor));
-        let Some(met) = next_primitive(&mut primitives, scene, &boxes, from, to, tally) else {
-            return Some(far);
-        };
-        far = match unpack(met.word) {
-            Primitive::Face(face) => {
-                trace_face(scene, ray, step, instance, face, met.span, near, far, accept, tally)?
+impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, T, A, C> {
+    /// The hits of all instances.
+    fn trace_instances(&mut self, ray: &WorldRay<T>) -> ControlFlow<()> {
+        let scene = self.scene;
+        if scene.instances.len() == 1 {
+            return self.trace_instance(ray, 0);
+        }
+        let boxes = bvh_ray(grid_position(ray.grid, self.step.size) + ray.fraction, ray.direction);
+        let mut instances = start_walk(0, scene.header.node_count, 0);
+        while let Some(met) = self.next_met(&mut instances, &boxes, T::ZERO) {
+            self.trace_instance(ray, met.word)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The next primitive of a walk that may matter; `anchor` is where on the world ray the origin of `boxes` lies.
+    fn next_met(&mut self, walk: &mut Walk<T>, boxes: &BvhRay<T>, anchor: T) -> Option<Met<T>> {
+        let (from, to) = (self.near.beyond(anchor), self.far.beyond(anchor));
+        next_primitive(walk, self.scene, boxes, from, to, self.tally)
+    }
+
+    fn trace_instance(&mut self, ray: &WorldRay<T>, instance: u32) -> ControlFlow<()> {
+        match enter_instance(ray, &T::instance(self.scene, instance), self.step) {
+            Some(part_ray) => {
+                self.tally.count(Step::Instance);
+                self.trace_part(&part_ray, instance)
             }
-            Primitive::NetLeaf(leaf) => {
-                trace_leaf(scene, search, ray, step, instance, leaf, near, far, accept, tally)?
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    /// The hits of an instance's part.
+    fn trace_part(&mut self, ray: &PartRay<T>, instance: u32) -> ControlFlow<()> {
+        let scene = self.scene;
+        let part = &scene.parts[scene.instances[instance as usize].part as usize];
+        let boxes = bvh_ray(ray.near_origin, ray.direction);
+        let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
+        while let Some(met) = self.next_met(&mut primitives, &boxes, ray.near_anchor) {
+            match unpack(met.word) {
+                Primitive::Face(face) => self.trace_face(ray, instance, face, met.span)?,
+                Primitive::NetLeaf(leaf) => self.trace_leaf(ray, instance, leaf)?,
             }
-        };
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The hits of an analytic face, whose box holds `span` of the ray.
+    fn trace_face(
+        &mut self,
+        part_ray: &PartRay<T>,
+        instance: u32,
+        index: u32,
+        span: [T; 2],
+    ) -> ControlFlow<()> {
+        self.tally.count(Step::Face);
+        let scene = self.scene;
+        let face: FaceFrame<T> = T::face(scene, index);
+        let ray = approach_frame(part_ray, &face, self.step);
+        let origin = apply_rows(&face.axes, ray.origin);
+        let direction = apply_rows(&face.axes, ray.direction);
+        let span = Span { ends: span.map(|t| (part_ray.near_anchor - ray.anchor) + t), slack: face.slack };
+        let roots = carrier_roots(face.kind, origin, direction, face.radii, &span);
+        for &t in &roots.t[..roots.count] {
+            let distance = Distance { anchor: ray.anchor, offset: t };
+            if !is_between(distance, self.near, self.far) {
+                continue;
+            }
+            let point = origin + direction * t;
+            let parameters = carrier_parameters(face.kind, point, face.radii);
+            let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
+            let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
+            if is_far_outside(uv) {
+                continue;
+            }
+            let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
+            let curvature = carrier_curvature(face.kind, point, face.radii);
+            let footprint = footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
+            let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
+            // All faces of a part are tried at the same sides.
+            let sides = || sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
+            let record = &scene.faces[index as usize];
+            let cover = cover(scene, record, face.period, uv, margin, &footprint, sides, self.tally);
+            if cover != Cover::Outside {
+                let certainty = Certainty::of(cover, footprint.is_grazing);
+                self.meet(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The hits of a net leaf.
+    fn trace_leaf(&mut self, part_ray: &PartRay<T>, instance: u32, index: u32) -> ControlFlow<()> {
+        self.tally.count(Step::Leaf);
+        let scene = self.scene;
+        let leaf = &scene.net_leaves[index as usize];
+        let net = &scene.nets[leaf.net as usize];
+        let face = &scene.faces[net.face as usize];
+        let center = Vector3::from_f32(leaf.center);
+        let ray = approach_point(part_ray, face.grid, center, self.step);
+        let (from, to) = (self.near.beyond(ray.anchor), self.far.beyond(ray.anchor));
+        let slack = number(face.slack.into());
+        let roots = leaf_roots(scene, leaf, net, &ray, from, to, self.search, slack, self.tally);
+        for root in &roots.root[..roots.count] {
+            let distance = Distance { anchor: ray.anchor, offset: root.t };
+            if !is_between(distance, self.near, self.far) {
+                continue;
+            }
+            let cover = leaf_cover(scene, leaf, net, face, root, ray.direction, self.tally);
+            if cover != Cover::Outside {
+                let found = Certainty::of(cover, root.footprint.is_grazing);
+                let certainty = if roots.is_cut { Certainty::Border } else { found };
+                let (face, net, uv) = (net.face, leaf.net, root.uv);
+                self.meet(RawHit { distance, instance, face, net, uv, certainty })?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Hands on a hit; stops where no other matters.
+    fn meet(&mut self, hit: RawHit<T>) -> ControlFlow<()> {
+        match (self.accept)(hit) {
+            Some(far) => {
+                self.far = far;
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
     }
 }
 
 fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {
     distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO
-}
-
-/// The hits of an analytic face, whose box holds `span` of the ray.
-fn trace_face<T: Kernel>(
-    scene: &Scene<'_>,
-    part_ray: &PartRay<T>,
-    step: GridStep<T>,
-    instance: u32,
-    index: u32,
-    span: [T; 2],
-    near: Distance<T>,
-    far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
-    tally: &mut impl Tally,
-) -> Option<Distance<T>> {
-    let mut far = far;
-    tally.count(Step::Face);
-    let face: FaceFrame<T> = T::face(scene, index);
-    let ray = approach_frame(part_ray, &face, step);
-    let origin = apply_rows(&face.axes, ray.origin);
-    let direction = apply_rows(&face.axes, ray.direction);
-    let span = Span { ends: span.map(|t| (part_ray.near_anchor - ray.anchor) + t), slack: face.slack };
-    let roots = carrier_roots(face.kind, origin, direction, face.radii, &span);
-    for i in 0..roots.count {
-        let t = roots.t[i];
-        let distance = Distance { anchor: ray.anchor, offset: t };
-        if !is_between(distance, near, far) {
-            continue;
-        }
-        let point = origin + direction * t;
-        let parameters = carrier_parameters(face.kind, point, face.radii);
-        let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
-        let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
-        if is_far_outside(uv) {
-            continue;
-        }
-        let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
-        let curvature = carrier_curvature(face.kind, point, face.radii);
-        let footprint = footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
-        let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
-        // All faces of a part are tried at the same sides.
-        let sides = || sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
-        let cover =
-            cover(scene, &scene.faces[index as usize], face.period, uv, margin, &footprint, sides, tally);
-        if cover != Cover::Outside {
-            let certainty = Certainty::of(cover, footprint.is_grazing);
-            far = accept(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
-        }
-    }
-    Some(far)
-}
-
-/// The hits of a net leaf.
-fn trace_leaf<T: Kernel>(
-    scene: &Scene<'_>,
-    search: NetSearch,
-    part_ray: &PartRay<T>,
-    step: GridStep<T>,
-    instance: u32,
-    index: u32,
-    near: Distance<T>,
-    far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
-    tally: &mut impl Tally,
-) -> Option<Distance<T>> {
-    let mut far = far;
-    tally.count(Step::Leaf);
-    let leaf = &scene.net_leaves[index as usize];
-    let net = &scene.nets[leaf.net as usize];
-    let face = &scene.faces[net.face as usize];
-    let center = Vector3::from_f32(leaf.center);
-    let ray = approach_point(part_ray, face.grid, center, step);
-    let (from, to) = (near.beyond(ray.anchor), far.beyond(ray.anchor));
-    let roots = leaf_roots(scene, leaf, net, &ray, from, to, search, number(face.slack.into()), tally);
-    for i in 0..roots.count {
-        let root = roots.root[i];
-        let distance = Distance { anchor: ray.anchor, offset: root.t };
-        if !is_between(distance, near, far) {
-            continue;
-        }
-        let cover = leaf_cover(scene, leaf, net, face, &root, ray.direction, tally);
-        if cover != Cover::Outside {
-            let found = Certainty::of(cover, root.footprint.is_grazing);
-            let certainty = if roots.is_cut { Certainty::Border } else { found };
-            far =
-                accept(RawHit { distance, instance, face: net.face, net: leaf.net, uv: root.uv, certainty })?;
-        }
-    }
-    Some(far)
 }
 
 /// How a root lies to the border of its face. A leaf's own trim state holds on its own domain only.
