@@ -253,6 +253,11 @@ fn bspline(parameters: &Parameters) -> Mapped<Surface> {
         let range = [parameters.real(after + 2 * axis)?, parameters.real(after + 2 * axis + 1)?];
         let near = 1e-9 * (high - low);
         let inner = range[0] < range[1] && range[1] > low + near && range[0] < high - near;
+        // A whole turn of a closed surface, begun elsewhere than at its seam, is all of it.
+        let beyond = range[0] < low - near || range[1] > high + near;
+        if surface.closed[axis] && beyond && range[1] - range[0] >= (high - low) * (1.0 - 1e-6) {
+            return Ok([low, high]);
+        }
         let snapped = |t: f64| {
             if t - low <= near {
                 low

@@ -49,6 +49,23 @@ fn surfaces_that_stand_alone() {
 }
 
 #[test]
+fn a_closed_surface_may_begin_elsewhere_than_at_its_seam() {
+    // A tube around a square, quadratic and periodic in v over [2, 6], of which the file wants [3, 7].
+    let square = ["1,0", "0,1", "-1,0", "0,-1", "1,0", "0,1"];
+    let points: Vec<String> = square.iter().map(|p| format!("{p},0,{p},1")).collect();
+    let weights = ["1"; 12].join(",");
+    let points = points.join(",");
+    let tube = alone(
+        top(128, &format!("1,5,1,2,0,1,1,0,1,0,0,1,1,0,1,2,3,4,5,6,7,8,{weights},{points},0,1,3,7")),
+        Vec::new(),
+    );
+    let domain = tube.domain();
+    assert_eq!((domain.min.y, domain.max.y, tube.periods()[1]), (2.0, 6.0, Some(4.0)));
+    let beyond = tube.point(glam::DVec2::new(0.0, 6.5));
+    assert!(beyond.distance(tube.point(glam::DVec2::new(0.0, 2.5))) < 1e-15);
+}
+
+#[test]
 fn parametric_spline_surface() {
     // One patch x = 2u, y = 3v, z = u v, followed by the strips that mean nothing.
     let mut patch = [0.0; 48];
