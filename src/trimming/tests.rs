@@ -345,6 +345,33 @@ fn octant_of_a_sphere_whatever_its_direction() {
 }
 
 #[test]
+fn a_vertex_outside_all_loops_makes_them_holes() {
+    let patch = 4.0 * 0.5f64.sin();
+    let inside = DVec3::new(0.5f64.cos() * 0.2f64.cos(), 0.5f64.sin() * 0.2f64.cos(), 0.2f64.sin()) * 2.0;
+    let vertices = [(None, patch), (Some(DVec3::Z * 2.0), 16.0 * PI - patch)];
+    let elsewhere = [(Some(-DVec3::X * 2.0), 16.0 * PI - patch), (Some(inside), patch)];
+    for (vertex, expected) in vertices.into_iter().chain(elsewhere) {
+        for reversed in [false, true] {
+            let mut b = Builder::new(sphere());
+            let low = b.edge(circle_at(0.0, 2.0), [0.0, 1.0]);
+            let right = b.edge(meridian(1.0, 2.0), [0.0, 0.5]);
+            let high = b.edge(circle_at(2.0 * 0.5f64.sin(), 2.0 * 0.5f64.cos()), [1.0, 0.0]);
+            let left = b.edge(meridian(0.0, 2.0), [0.5, 0.0]);
+            let mut edges = vec![(low, reversed), (right, reversed), (high, reversed), (left, reversed)];
+            if reversed {
+                edges.reverse();
+            }
+            b.with_loop(&edges);
+            if let Some(point) = vertex {
+                let vertex = b.vertex(point);
+                b.face.loops.push(TrimLoop::Vertex(vertex));
+            }
+            assert_area(b, expected);
+        }
+    }
+}
+
+#[test]
 fn lunes_of_a_sphere() {
     for width in [1.0, 4.0] {
         for flipped in [false, true] {
