@@ -104,7 +104,11 @@ fn sheet_at(file: &Directory, entity: u32, outer: &DAffine3, form: Form, depth: 
         }
         let place = placement::of(file, entity, outer)?;
         let basis = sheet_at(file, parameters.reference(5)?, &place, form, depth + 1)?;
-        return offset::sheet(&parameters, basis, &place);
+        let given = match form {
+            Form::Recognised => sheet_at(file, parameters.reference(5)?, &place, Form::Bounded, depth + 1)?,
+            Form::Bounded => basis.clone(),
+        };
+        return offset::sheet(&parameters, basis, &given, &place);
     }
     let sheet = given(file, entity, outer)?;
     if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)
@@ -258,15 +262,9 @@ fn bspline(parameters: &Parameters) -> Mapped<Surface> {
         if surface.closed[axis] && beyond && range[1] - range[0] >= (high - low) * (1.0 - 1e-6) {
             return Ok([low, high]);
         }
-        let snapped = |t: f64| {
-            if t - low <= near {
-                low
-            } else if high - t <= near {
-                high
-            } else {
-                t
-            }
-        };
+        // No sliver of a span is left beside a knot.
+        let knots = [&surface.u_knots, &surface.v_knots][axis].as_slice();
+        let snapped = |t: f64| knots.iter().copied().find(|knot| (knot - t).abs() <= near).unwrap_or(t);
         Ok(if inner { range.map(snapped) } else { [low, high] })
     };
     let (u, v) = (wanted(0)?, wanted(1)?);
