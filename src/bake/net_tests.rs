@@ -256,3 +256,22 @@ fn leaves_are_short_where_a_net_tapers() {
         assert!(at_tip.clone().count() > 0 && at_tip.clone().all(|leaf| leaf.domain >> 28 == 3), "{tip}");
     }
 }
+
+#[test]
+fn an_arc_of_nearly_half_a_turn_is_split_along_itself() {
+    // Fillets have such sides: weights are 1 at both ends of the arc and near 0 in its middle, a little different from section to section.
+    let surface = surface([3, 2], [4, 3], |i, j| {
+        let half_angle = (85.0 - 0.1 * i as f64).to_radians();
+        let section = DVec3::X * i as f64;
+        match j {
+            1 => Homogeneous::new(section + DVec3::Z / half_angle.cos(), half_angle.cos()),
+            end => {
+                let side = if end == 0 { -1.0 } else { 1.0 };
+                Homogeneous::new(section + DVec3::new(0.0, side * half_angle.sin(), half_angle.cos()), 1.0)
+            }
+        }
+    });
+    let (nets, origin, outline) = baked(&surface, vec![]);
+    assert!(nets.leaves.len() <= 64, "{} leaves", nets.leaves.len());
+    check_leaves(&surface, &nets, origin, outline.window);
+}

@@ -182,17 +182,20 @@ fn side_lengths(patch: &BezierPatch, cartesian: &[DVec3]) -> [[f64; 2]; 2] {
     [0, 1].map(|axis| [0, 1].map(|end| side(axis, end)))
 }
 
-/// The axis along which weights differ most, where they differ too much.
+/// The axis along whose rows weights differ most, where they differ too much. Ends alone do not tell: the weights of an arc of nearly half a turn are equal
+/// there, and near 0 between them.
 fn weight_axis(patch: &BezierPatch) -> Option<usize> {
     let [p, q] = patch.degrees;
-    let weights: Vec<f64> = patch.points.iter().map(|point| point.w).collect();
-    let (least, most) = weights.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &w| (a.min(w), b.max(w)));
-    if most <= least * MAX_WEIGHT_RATIO {
+    let ratio = |weights: &mut dyn Iterator<Item = f64>| {
+        let (least, most) = weights.fold((f64::INFINITY, 0.0f64), |(a, b), w| (a.min(w), b.max(w)));
+        most / least
+    };
+    let at = |i: usize, j: usize| patch.points[i * (q + 1) + j].w;
+    if ratio(&mut patch.points.iter().map(|point| point.w)) <= MAX_WEIGHT_RATIO {
         return None;
     }
-    let ratio = |a: f64, b: f64| (a / b).max(b / a);
-    let along_u = (0..=q).map(|j| ratio(weights[j], weights[p * (q + 1) + j])).fold(1.0, f64::max);
-    let along_v = (0..=p).map(|i| ratio(weights[i * (q + 1)], weights[i * (q + 1) + q])).fold(1.0, f64::max);
+    let along_u = (0..=q).map(|j| ratio(&mut (0..=p).map(|i| at(i, j)))).fold(1.0, f64::max);
+    let along_v = (0..=p).map(|i| ratio(&mut (0..=q).map(|j| at(i, j)))).fold(1.0, f64::max);
     Some(usize::from(along_v > along_u))
 }
 

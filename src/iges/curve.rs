@@ -5,6 +5,7 @@ use super::directory::{Directory, Mapped, Parameters, Problem};
 use super::offset;
 use super::placement::{self, is_similarity};
 use super::spans::{self, Span};
+use crate::geometry::to_bspline::curve_to_bspline;
 use crate::geometry::{BsplineCurve, Curve, Frame, Homogeneous, Homogeneous2, Homogeneous3};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -269,12 +270,8 @@ fn bspline(parameters: &Parameters) -> Mapped<Carrier> {
     let after = first + 3 * (last + 1);
     let domain = [knots[degree], knots[last + 1]];
     let wanted = [parameters.real(after)?, parameters.real(after + 1)?];
-    let range = if wanted[0] < wanted[1] {
-        wanted.map(|t| t.clamp(domain[0].min(domain[1]), domain[1].max(domain[0])))
-    } else {
-        domain
-    };
-    let range = if range[0] < range[1] { range } else { domain };
+    let clamped = wanted.map(|t| t.clamp(domain[0].min(domain[1]), domain[1].max(domain[0])));
+    let range = if clamped[0] < clamped[1] { clamped } else { domain };
     if let (true, 1, [a, b]) = (even, degree, points.as_slice())
         && domain[0] < domain[1]
     {
@@ -285,6 +282,13 @@ fn bspline(parameters: &Parameters) -> Mapped<Carrier> {
     let points = points.iter().zip(&weights).map(point).collect();
     let spline = BsplineCurve::new(degree, ordered(knots), points)
         .map_err(|error| parameters.problem(error.to_string()))?;
+    // A closed curve may begin anywhere and run over its seam, once around at most.
+    let [low, high] = domain;
+    let is_turn = wanted[0] < wanted[1] && wanted[1] - wanted[0] <= (high - low) * (1.0 + 1e-6);
+    if is_turn && (wanted[0] < low || wanted[1] > high) && spline.is_closed() {
+        let unrolled = curve_to_bspline(&Curve::Bspline(spline), wanted);
+        return Ok((Curve::Bspline(unrolled), wanted, wanted));
+    }
     Ok((Curve::Bspline(spline), range, range))
 }
 

@@ -214,6 +214,31 @@ fn splines_that_are_cut_short() {
 }
 
 #[test]
+fn a_closed_spline_may_run_over_its_seam() {
+    // Quadratic and periodic around a square, over [2, 6]; wanted from 3 on: all of it, and half of it across the seam.
+    let spline = |first: f64, last: f64| {
+        let points = "1,0,0,0,1,0,-1,0,0,0,-1,0,1,0,0,0,1,0";
+        let numbers = format!("5,2,1,1,1,1,0,1,2,3,4,5,6,7,8,1,1,1,1,1,1,{points},{first},{last},0,0,1");
+        part(126, &numbers)
+    };
+    let whole = |range: [f64; 2]| {
+        let model = clean(&trimmed(part(108, "0,0,1,0"), vec![], vec![spline(range[0], range[1])]));
+        trims(&model)
+    };
+    assert!((whole([3.0, 7.0]) - whole([2.0, 6.0])).abs() < 1e-9);
+    // Halves from (½, −½) around to (−½, ½), closed by the line between them.
+    let line = |ends: [f64; 4]| part(110, &format!("{},{},0,{},{},0", ends[0], ends[1], ends[2], ends[3]));
+    let half = |curve: Entity, ends: [f64; 4]| {
+        trims(&clean(&trimmed(part(108, "0,0,1,0"), vec![], vec![curve, line(ends)])))
+    };
+    let (a, b) = ([0.5, 0.5], [-0.5, -0.5]);
+    let plain = half(spline(2.0, 4.0), [b[0], b[1], a[0], a[1]]);
+    let across = half(spline(4.0, 6.0), [a[0], a[1], b[0], b[1]]);
+    let over = half(spline(5.0, 7.0), [-0.5, 0.5, 0.5, -0.5]);
+    assert!((plain - across).abs() < 1e-9 && (plain - over).abs() < 1e-9, "{plain} {across} {over}");
+}
+
+#[test]
 fn copious_data_and_lines_of_all_forms() {
     let closing = part(110, "-1,0,0,1,0,0");
     for (kind, text) in [(1, "1,3,0,1,0,0,1,-1,0"), (2, "2,3,1,0,0,0,1,0,-1,0,0")] {

@@ -125,14 +125,16 @@ fn offset(piece: &Piece, normal: DVec3, distance: &Distance) -> Option<Piece> {
     Some(Piece { curve: Curve::Bspline(fit.curve), range: [0.0, 1.0], ..piece.clone() })
 }
 
-/// Entity 140: a vector that shows the side, the distance, the surface. `basis` is that surface, in place.
-pub fn sheet(parameters: &Parameters, basis: Sheet, place: &DAffine3) -> Mapped<Sheet> {
+/// Entity 140: a vector that shows the side, the distance, the surface. `basis` is that surface, in place, and `given` the same in the form in which the
+/// file gives it: where its middle is, a recognised form does not know.
+pub fn sheet(parameters: &Parameters, basis: Sheet, given: &Sheet, place: &DAffine3) -> Mapped<Sheet> {
     if !is_similarity(place) {
         return Err(parameters.problem("the matrix of an offset surface skews it"));
     }
     let distance = parameters.real(4)? * place.matrix3.determinant().abs().cbrt();
     let indicator = place.transform_vector3(parameters.point(1)?);
-    let along = match normal(&basis.surface).map_or(0.0, |normal| normal.dot(indicator)) {
+    let turned = if basis.flipped == given.flipped { 1.0 } else { -1.0 };
+    let along = match turned * normal(&given.surface).map_or(0.0, |normal| normal.dot(indicator)) {
         side if side < 0.0 => -distance,
         side if side > 0.0 => distance,
         // Nothing shows the side: that of the file's normal.

@@ -104,7 +104,11 @@ fn sheet_at(file: &Directory, entity: u32, outer: &DAffine3, form: Form, depth: 
         }
         let place = placement::of(file, entity, outer)?;
         let basis = sheet_at(file, parameters.reference(5)?, &place, form, depth + 1)?;
-        return offset::sheet(&parameters, basis, &place);
+        let given = match form {
+            Form::Recognised => sheet_at(file, parameters.reference(5)?, &place, Form::Bounded, depth + 1)?,
+            Form::Bounded => basis.clone(),
+        };
+        return offset::sheet(&parameters, basis, &given, &place);
     }
     let sheet = given(file, entity, outer)?;
     if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)
@@ -253,15 +257,14 @@ fn bspline(parameters: &Parameters) -> Mapped<Surface> {
         let range = [parameters.real(after + 2 * axis)?, parameters.real(after + 2 * axis + 1)?];
         let near = 1e-9 * (high - low);
         let inner = range[0] < range[1] && range[1] > low + near && range[0] < high - near;
-        let snapped = |t: f64| {
-            if t - low <= near {
-                low
-            } else if high - t <= near {
-                high
-            } else {
-                t
-            }
-        };
+        // A whole turn of a closed surface, begun elsewhere than at its seam, is all of it.
+        let beyond = range[0] < low - near || range[1] > high + near;
+        if surface.closed[axis] && beyond && range[1] - range[0] >= (high - low) * (1.0 - 1e-6) {
+            return Ok([low, high]);
+        }
+        // No sliver of a span is left beside a knot.
+        let knots = [&surface.u_knots, &surface.v_knots][axis].as_slice();
+        let snapped = |t: f64| knots.iter().copied().find(|knot| (knot - t).abs() <= near).unwrap_or(t);
         Ok(if inner { range.map(snapped) } else { [low, high] })
     };
     let (u, v) = (wanted(0)?, wanted(1)?);

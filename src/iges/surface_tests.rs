@@ -49,6 +49,36 @@ fn surfaces_that_stand_alone() {
 }
 
 #[test]
+fn a_closed_surface_may_begin_elsewhere_than_at_its_seam() {
+    // A tube around a square, quadratic and periodic in v over [2, 6], of which the file wants [3, 7].
+    let square = ["1,0", "0,1", "-1,0", "0,-1", "1,0", "0,1"];
+    let points: Vec<String> = square.iter().map(|p| format!("{p},0,{p},1")).collect();
+    let weights = ["1"; 12].join(",");
+    let points = points.join(",");
+    let tube = alone(
+        top(128, &format!("1,5,1,2,0,1,1,0,1,0,0,1,1,0,1,2,3,4,5,6,7,8,{weights},{points},0,1,3,7")),
+        Vec::new(),
+    );
+    let domain = tube.domain();
+    assert_eq!((domain.min.y, domain.max.y, tube.periods()[1]), (2.0, 6.0, Some(4.0)));
+    let beyond = tube.point(glam::DVec2::new(0.0, 6.5));
+    assert!(beyond.distance(tube.point(glam::DVec2::new(0.0, 2.5))) < 1e-15);
+}
+
+#[test]
+fn no_sliver_is_left_beside_a_knot() {
+    // Two flat patches that meet at v = 0, of which the file wants the second, from a rounding before it.
+    let points = "0,0,0,1,0,0,0,1,0,1,1,0,0,3,0,1,3,0";
+    let surface = alone(
+        top(128, &format!("1,2,1,1,0,0,1,0,0,0,0,1,1,-1,-1,0,2,2,1,1,1,1,1,1,{points},0,1,-1e-15,2")),
+        Vec::new(),
+    );
+    assert_eq!((surface.domain().min.y, surface.domain().max.y), (0.0, 2.0));
+    let Surface::Bspline(spline) = &surface else { panic!("no spline: {}", surface.kind()) };
+    assert_eq!(spline.counts(), [2, 2]);
+}
+
+#[test]
 fn parametric_spline_surface() {
     // One patch x = 2u, y = 3v, z = u v, followed by the strips that mean nothing.
     let mut patch = [0.0; 48];
@@ -100,6 +130,35 @@ fn offset_surfaces() {
     let plane = trimmed(part(140, "0,0,1,1,3"), vec![part(108, "0,0,1,-1")], square());
     assert!((trims(&clean(&plane)) - 4.0).abs() < 1e-9);
     assert_eq!(super::tests::model(&[top(140, "0,0,1,1,1")]).faces.len(), 0);
+}
+
+#[test]
+fn the_side_of_an_offset_is_shown_in_the_middle_of_the_given_surface() {
+    // Half cylinders of radius 1 as splines, offset outwards: they are recognised, but where their middle is only the spline knows.
+    for turn in 0..8 {
+        let at = |step: f64, radius: f64| {
+            let angle = f64::from(turn) * std::f64::consts::FRAC_PI_4 + step * std::f64::consts::FRAC_PI_4;
+            [radius * angle.cos(), radius * angle.sin()]
+        };
+        let row = |z: f64| {
+            let corner = |i: u8| at(f64::from(i), if i % 2 == 1 { 2.0_f64.sqrt() } else { 1.0 });
+            (0..5).map(|i| format!("{},{},{z}", corner(i)[0], corner(i)[1])).collect::<Vec<_>>().join(",")
+        };
+        let weights = ["1,0.70710678118654752,1,0.70710678118654752,1"; 2].join(",");
+        let points = format!("{},{}", row(0.0), row(2.0));
+        let spline = format!("4,1,2,1,0,0,0,0,0,0,0,0,1,1,2,2,2,0,0,1,1,{weights},{points},0,2,0,1");
+        let [middle, start, end] = [at(2.0, 1.0), at(0.0, 1.5), at(4.0, 1.5)];
+        let offset = part(140, &format!("{},{},0,0.5,3", middle[0], middle[1]));
+        let arc = |z: f64| part(100, &format!("{z},0,0,{},{},{},{}", start[0], start[1], end[0], end[1]));
+        let line = |p: [f64; 2]| part(110, &format!("{0},{1},0,{0},{1},2", p[0], p[1]));
+        let curves = vec![arc(0.0), line(end), arc(2.0), line(start)];
+        let model = model(&trimmed(offset, vec![part(128, &spline)], curves));
+        let surface = model.surfaces.iter().next().expect("a surface");
+        assert!(
+            matches!(surface, Surface::Cylinder { radius, .. } if (radius - 1.5).abs() < 1e-9),
+            "turned {turn} times: {surface:?}"
+        );
+    }
 }
 
 #[test]

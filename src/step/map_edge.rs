@@ -10,6 +10,10 @@ use glam::DVec3;
 /// Vertices closer than this (in millimetres) are one: an edge between them on a closed curve runs all around.
 const SAME_POINT: f64 = 1e-6;
 
+/// Two vertices of a conic are one where no more than this share of their coordinates is between them: what is farther apart the file means, and an
+/// arc that short too, where loops were split beside a vertex.
+const ROUNDING: f64 = 1e-10;
+
 /// An end of a B-spline counts as the vertex where it is nearer than this part of the curve's extent. Files keep some seven
 /// digits; inverting the vertex instead would cut a sliver off the curve's end.
 const END_TOLERANCE: f64 = 1e-5;
@@ -83,7 +87,7 @@ impl Reader<'_> {
         };
         let edge = match carrier {
             Ok(mapped) => {
-                let closed = start == end || points[0].distance(points[1]) <= SAME_POINT;
+                let closed = start == end || are_one(&mapped.curve, points);
                 let range = edge_range(&mapped.curve, points, closed, same_sense);
                 let pcurves = self.pcurves(&mapped.pcurves, &mapped.curve);
                 for repair in mapped.repairs {
@@ -191,6 +195,14 @@ fn line_edge(start: Id<Vertex>, end: Id<Vertex>, points: [DVec3; 2], entity: u64
     Edge { curve, range: [0.0, 1.0], vertices: [start, end], pcurves: Vec::new(), entity }
 }
 
+/// Whether different vertices at these points are one place on the curve.
+fn are_one(curve: &Curve, points: [DVec3; 2]) -> bool {
+    let apart = points[0].distance(points[1]);
+    let is_conic = matches!(curve, Curve::Circle { .. } | Curve::Ellipse { .. });
+    let rounding = points[0].abs().max_element().max(extent(curve, curve.domain())) * ROUNDING;
+    apart <= if is_conic { rounding.min(SAME_POINT) } else { SAME_POINT }
+}
+
 /// The parameters of an edge's ends, in the order in which the edge runs.
 fn edge_range(curve: &Curve, points: [DVec3; 2], closed: bool, same_sense: bool) -> [f64; 2] {
     let domain = curve.domain();
@@ -251,6 +263,19 @@ mod tests {
         close(edge_range(&circle, [y, x], false, true), [FRAC_PI_2, TAU]);
         close(edge_range(&circle, [x, x], true, true), [0.0, TAU]);
         close(edge_range(&circle, [x, x], true, false), [0.0, -TAU]);
+    }
+
+    #[test]
+    fn short_arcs_are_no_circles() {
+        let circle = Curve::Circle { frame: Frame::IDENTITY, radius: 2.0 };
+        let at = |angle: f64| circle.point(angle);
+        assert!(are_one(&circle, [at(0.0), at(TAU)]));
+        let beside = [at(1.0), at(1.0 + 5e-9)];
+        assert!(!are_one(&circle, beside));
+        let [start, end] = edge_range(&circle, beside, false, true);
+        assert!((end - start - 5e-9).abs() < 1e-12);
+        let [start, end] = edge_range(&circle, beside, false, false);
+        assert!((start - end - TAU).abs() < 1e-8);
     }
 
     #[test]

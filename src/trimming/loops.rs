@@ -4,7 +4,7 @@ use super::align::align_constants;
 use super::chain::{chained, directed};
 use super::outline::{Outline, outline};
 use super::pcurve::DirectedEdge;
-use super::region::{Report, region, whole_surface};
+use super::region::{Report, Sides, region, whole_surface};
 use super::target::Target;
 use super::{FaceTrim, TrimError, TrimOptions};
 use crate::brep::{Face, Id, Model, TrimLoop};
@@ -82,7 +82,12 @@ pub fn trim_face(model: &Model, face: Id<Face>, options: &TrimOptions) -> Result
         chains.push(outline.welded(&target, &mut report.repairs));
         report.edges.extend(outline.images.iter().map(|image| (image.edge, image.deviation)));
     }
-    region(&target, chains, face.same_sense, seams, report)
+    let vertices = face.loops.iter().filter_map(|one| match one {
+        TrimLoop::Vertex(vertex) => Some(model.vertices[*vertex].point),
+        TrimLoop::Edges(_) => None,
+    });
+    let sides = Sides { left: face.same_sense, seams, vertices: vertices.collect() };
+    region(&target, chains, &sides, report)
 }
 
 /// A loop and the box around samples of it.

@@ -25,6 +25,8 @@ mod damage_tests;
 #[cfg(test)]
 mod deviation_tests;
 #[cfg(test)]
+mod hole_tests;
+#[cfg(test)]
 mod tests;
 
 pub use loops::trim_face;

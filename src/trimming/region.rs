@@ -1,7 +1,7 @@
 //! From closed loops in the universal cover to the trimmed region in one window.
 //!
 //! Three cases. *Islands*: no loop goes round the surface; the largest loop sets the window. On a surface that is closed
-//! in itself the largest loop may be a hole: then the whole surface is added (see [`is_hole`]). *Bands*: loops
+//! in itself the largest loop may be a hole: then the whole surface is added (see [`is_hole`] and [`lies_outside`]). *Bands*: loops
 //! go round; two of them bound a band, a single one closes against the pole, apex or domain edge on the side on which
 //! the face lies. *Windows*: no loops at all.
 
@@ -15,8 +15,8 @@ use super::target::Target;
 use super::wrap::{Strip, wrap};
 use super::{EdgeDeviation, FaceTrim, TrimError};
 use crate::brep::{Edge, Id};
-use crate::geometry::{ParameterBox, Surface};
-use glam::DVec2;
+use crate::geometry::{ParameterBox, Surface, invert_surface};
+use glam::{DVec2, DVec3};
 
 /// What is gathered on the way.
 #[derive(Default)]
@@ -54,13 +54,21 @@ pub(super) fn whole_surface(surface: &Surface) -> Result<FaceTrim, TrimError> {
     Ok(FaceTrim::whole(window))
 }
 
-/// The region bounded by `chains`; `left` tells whether the face lies left of them in the parameter plane, `seams` whether
-/// an edge is used twice.
+/// What a face's loops are beside their chains.
+pub(super) struct Sides {
+    /// Whether the face lies left of its chains in the parameter plane.
+    pub(super) left: bool,
+    /// Whether an edge is used twice.
+    pub(super) seams: bool,
+    /// The vertices that bound the face each by itself.
+    pub(super) vertices: Vec<DVec3>,
+}
+
+/// The region bounded by `chains`.
 pub(super) fn region(
     target: &Target,
     mut chains: Vec<Chain>,
-    left: bool,
-    seams: bool,
+    sides: &Sides,
     mut report: Report,
 ) -> Result<FaceTrim, TrimError> {
     for chain in &mut chains {
@@ -80,10 +88,10 @@ pub(super) fn region(
         (true, true) => {
             return Err(TrimError::Numeric("the loops go round the surface both ways".into()));
         }
-        (false, false) => (island(target, &mut chains, left, seams), [0, 1]),
+        (false, false) => (island(target, &mut chains, sides), [0, 1]),
         (along_u, _) => {
             let axis = usize::from(!along_u);
-            (band(target, &mut chains, axis, left, &mut report)?, [axis, 1 - axis])
+            (band(target, &mut chains, axis, sides.left, &mut report)?, [axis, 1 - axis])
         }
     };
     let mut sets: Vec<Vec<Segment>> = chains.into_iter().map(|chain| chain.segments).collect();
@@ -106,13 +114,17 @@ fn steepest(target: &Target, sets: &[Vec<Segment>], axis: usize) -> f64 {
 }
 
 /// No loop goes round: the window starts at the least parameters of the largest loop.
-fn island(target: &Target, chains: &mut Vec<Chain>, left: bool, seams: bool) -> DVec2 {
+fn island(target: &Target, chains: &mut Vec<Chain>, sides: &Sides) -> DVec2 {
     let areas: Vec<f64> = chains.iter().map(|chain| signed_area(&chain.segments)).collect();
     let largest =
         (0..areas.len()).max_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs())).expect("there are loops");
     let [origin, _] = extent(&chains[largest].segments);
-    let backwards = (areas[largest] > 0.0) != left;
-    if backwards && !seams && is_hole(&chains[largest]) && is_closed_surface(target) {
+    let backwards = (areas[largest] > 0.0) != sides.left;
+    let is_hole = || {
+        backwards && is_hole(&chains[largest])
+            || sides.vertices.iter().any(|&p| lies_outside(target, chains, p))
+    };
+    if !sides.seams && is_closed_surface(target) && is_hole() {
         let mut low = origin;
         let mut high = origin;
         for axis in 0..2 {
@@ -151,6 +163,33 @@ fn pole_beyond(target: &Target, axis: usize, level: f64, up: bool) -> Option<f64
 /// one curve, or by two halves of one. Patches of fillets have three sides or more.
 fn is_hole(chain: &Chain) -> bool {
     chain.edges <= 2
+}
+
+/// Whether a vertex that bounds the face by itself lies in none of the loops: then the face does not either, and the loops are holes. Open Cascade
+/// writes a closed surface with holes so, where its outer boundary is a seam between two poles.
+fn lies_outside(target: &Target, chains: &[Chain], vertex: DVec3) -> bool {
+    let segments = || chains.iter().flat_map(|chain| &chain.segments);
+    if let Some(pole) = target.pole_at(vertex) {
+        let axis = target.poles[pole].axis;
+        let touches = |p: DVec2| p[axis] == target.pole_value(pole, p[axis]);
+        return !segments().any(|segment| touches(start(segment)));
+    }
+    let foot = invert_surface(target.surface, vertex, None).uv;
+    let images = |axis: usize| target.periods[axis].map_or(vec![0.0], |period| vec![-period, 0.0, period]);
+    let is_inside = |p: DVec2| {
+        let crosses = |segment: &Segment| {
+            let points: Vec<DVec2> = samples(segment).chain([end(segment)]).collect();
+            points.windows(2).filter(|ends| is_crossed(ends[0], ends[1], p)).count()
+        };
+        segments().map(crosses).sum::<usize>() % 2 == 1
+    };
+    let across = images(1);
+    !images(0).iter().any(|&u| across.iter().any(|&v| is_inside(foot + DVec2::new(u, v))))
+}
+
+/// Whether the ray from `p` along u meets the line from `a` to `b`.
+fn is_crossed(a: DVec2, b: DVec2, p: DVec2) -> bool {
+    (a.y > p.y) != (b.y > p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x
 }
 
 /// Whether the surface bounds a volume by itself: each parameter wraps or ends in poles.
