@@ -1,7 +1,7 @@
 // Bernstein basis functions and the nets that they weigh; the twin of render/cpu/bernstein.rs.
 //
-// Here by powers, `B_i = binomial(m, i) tⁱ (1−t)^(m−i)`, of the next lower degree m, and in fours: a few loop turns instead of the
-// triangle's m²/2. Some drivers end a kernel's loops after a number of turns, and all are faster with fewer. Terms beyond the degree are 0.
+// By powers, `B_i = binomial(m, i) tⁱ (1−t)^(m−i)`, of the next lower degree m, and here in fours and without a table: some drivers end a kernel's loops
+// after a number of turns, and all are faster with fewer. Terms beyond the degree are 0.
 
 // The functions of both parameters: those of u, then those of v.
 struct Basis {

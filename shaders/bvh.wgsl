@@ -1,4 +1,4 @@
-// Walks the 8-wide compressed BVH; the twin of render/cpu/bvh.rs.
+// Walks the 8-wide compressed BVH; the twin of render/cpu/bvh.rs, but for the order of children: that of the octant.
 
 struct BvhRay {
     origin: vec3<f32>,

@@ -1,4 +1,4 @@
-// Rays against tori; the twin of render/cpu/torus.rs.
+// Rays against tori; the twin of render/cpu/torus.rs, without its spans.
 
 const MAX_STEPS: u32 = 48u;
 

@@ -1,4 +1,4 @@
-// From a world ray to hits; the twin of render/cpu/trace.rs.
+// From a world ray to hits; the twin of render/cpu/trace.rs, without its short way for one instance.
 //
 // Where the twin takes a closure, each entry file defines `accept`: it sees every hit and may narrow `far`.
 

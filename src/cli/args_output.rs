@@ -25,8 +25,8 @@ pub(super) struct OutputArguments {
     /// Report on stdout what was read, rendered and written, as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
-    /// Count what the rays through the pixels' centres take to their first hits: nodes, faces, leaves, steps of Newton's method, trim tests. Whatever computes
-    /// the picture, they are counted on the CPU, without sections.
+    /// Count what the rays through the pixels' centres take to their first hits: nodes, faces, leaves, steps of Newton's method, trim tests; on stderr, or
+    /// in the object of --json. Whatever computes the picture, they are counted on the CPU, without sections.
     #[arg(long)]
     pub(super) stats: bool,
 }

@@ -282,12 +282,17 @@ fn bspline(parameters: &Parameters) -> Mapped<Carrier> {
     let points = points.iter().zip(&weights).map(point).collect();
     let spline = BsplineCurve::new(degree, ordered(knots), points)
         .map_err(|error| parameters.problem(error.to_string()))?;
-    // A closed curve may begin anywhere and run over its seam, once around at most.
+    // A closed curve may begin anywhere and run over its seam, once around at most; a rounding beyond it is none.
     let [low, high] = domain;
-    let is_turn = wanted[0] < wanted[1] && wanted[1] - wanted[0] <= (high - low) * (1.0 + 1e-6);
-    if is_turn && (wanted[0] < low || wanted[1] > high) && spline.is_closed() {
-        let unrolled = curve_to_bspline(&Curve::Bspline(spline), wanted);
-        return Ok((Curve::Bspline(unrolled), wanted, wanted));
+    let near = 1e-6 * (high - low);
+    let is_turn = wanted[0] < wanted[1] && wanted[1] - wanted[0] <= (high - low) + near;
+    if is_turn && (wanted[0] < low - near || wanted[1] > high + near) && spline.is_closed() {
+        let wanted = [wanted[0], wanted[1].min(wanted[0] + (high - low))];
+        let curve = Curve::Bspline(spline);
+        let unrolled = curve_to_bspline(&curve, wanted);
+        let [first, last] = unrolled.domain();
+        let is_whole = (first - wanted[0]).abs() <= near && (last - wanted[1]).abs() <= near;
+        return Ok(if is_whole { (Curve::Bspline(unrolled), wanted, wanted) } else { (curve, range, range) });
     }
     Ok((Curve::Bspline(spline), range, range))
 }

@@ -126,13 +126,19 @@ fn offset(piece: &Piece, normal: DVec3, distance: &Distance) -> Option<Piece> {
 }
 
 /// Entity 140: a vector that shows the side, the distance, the surface. `basis` is that surface, in place, and `given` the same in the form in which the
-/// file gives it: where its middle is, a recognised form does not know.
-pub fn sheet(parameters: &Parameters, basis: Sheet, given: &Sheet, place: &DAffine3) -> Mapped<Sheet> {
+/// file gives it, if that is another: where its middle is, a recognised form does not know.
+pub fn sheet(
+    parameters: &Parameters,
+    basis: Sheet,
+    given: Option<&Sheet>,
+    place: &DAffine3,
+) -> Mapped<Sheet> {
     if !is_similarity(place) {
         return Err(parameters.problem("the matrix of an offset surface skews it"));
     }
     let distance = parameters.real(4)? * place.matrix3.determinant().abs().cbrt();
     let indicator = place.transform_vector3(parameters.point(1)?);
+    let given = given.unwrap_or(&basis);
     let turned = if basis.flipped == given.flipped { 1.0 } else { -1.0 };
     let along = match turned * normal(&given.surface).map_or(0.0, |normal| normal.dot(indicator)) {
         side if side < 0.0 => -distance,

@@ -105,10 +105,12 @@ fn sheet_at(file: &Directory, entity: u32, outer: &DAffine3, form: Form, depth: 
         let place = placement::of(file, entity, outer)?;
         let basis = sheet_at(file, parameters.reference(5)?, &place, form, depth + 1)?;
         let given = match form {
-            Form::Recognised => sheet_at(file, parameters.reference(5)?, &place, Form::Bounded, depth + 1)?,
-            Form::Bounded => basis.clone(),
+            Form::Recognised => {
+                sheet_at(file, parameters.reference(5)?, &place, Form::Bounded, depth + 1).ok()
+            }
+            Form::Bounded => None,
         };
-        return offset::sheet(&parameters, basis, &given, &place);
+        return offset::sheet(&parameters, basis, given.as_ref(), &place);
     }
     let sheet = given(file, entity, outer)?;
     if let (Surface::Bspline(spline), Form::Recognised) = (&sheet.surface, form)

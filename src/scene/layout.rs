@@ -328,7 +328,7 @@ pub struct InstanceF64 {
     pub origin: [f64; 3],
 }
 
-/// Levels of a BVH at most; those of the BVH over instances and of a part's together stay within a stack of 32 entries.
+/// Levels of a BVH at most; those of the BVH over instances and of a part's together stay within a stack of 32 entries on a GPU.
 pub const MAX_TREE_DEPTH: usize = 16;
 
 /// The highest degree of nets and trim curves that the kernels evaluate.

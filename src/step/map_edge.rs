@@ -7,7 +7,7 @@ use crate::brep::{Edge, Id, Severity, Vertex};
 use crate::geometry::{Curve, invert_curve};
 use glam::DVec3;
 
-/// Vertices closer than this (in millimetres) are one: an edge between them on a closed curve runs all around.
+/// Vertices closer than this (in millimetres; on a conic see [`ROUNDING`]) are one: an edge between them on a closed curve runs all around.
 const SAME_POINT: f64 = 1e-6;
 
 /// Two vertices of a conic are one where no more than this share of their coordinates is between them: what is farther apart the file means, and an
@@ -199,8 +199,11 @@ fn line_edge(start: Id<Vertex>, end: Id<Vertex>, points: [DVec3; 2], entity: u64
 fn are_one(curve: &Curve, points: [DVec3; 2]) -> bool {
     let apart = points[0].distance(points[1]);
     let is_conic = matches!(curve, Curve::Circle { .. } | Curve::Ellipse { .. });
-    let rounding = points[0].abs().max_element().max(extent(curve, curve.domain())) * ROUNDING;
-    apart <= if is_conic { rounding.min(SAME_POINT) } else { SAME_POINT }
+    if !is_conic {
+        return apart <= SAME_POINT;
+    }
+    let size = points[0].abs().max_element().max(extent(curve, curve.domain()));
+    apart <= (size * ROUNDING).min(SAME_POINT)
 }
 
 /// The parameters of an edge's ends, in the order in which the edge runs.

@@ -22,7 +22,14 @@ fn a_vertex_outside_all_loops_makes_them_holes() {
     let patch = 4.0 * 0.5f64.sin();
     let inside = DVec3::new(0.5f64.cos() * 0.2f64.cos(), 0.5f64.sin() * 0.2f64.cos(), 0.2f64.sin()) * 2.0;
     let vertices = [(None, patch), (Some(DVec3::Z * 2.0), 16.0 * PI - patch)];
-    let elsewhere = [(Some(-DVec3::X * 2.0), 16.0 * PI - patch), (Some(inside), patch)];
+    let corner = DVec3::X * 2.0;
+    let on_edge = DVec3::new(0.3f64.cos(), 0.3f64.sin(), 0.0) * 2.0;
+    let elsewhere = [
+        (Some(-DVec3::X * 2.0), 16.0 * PI - patch),
+        (Some(inside), patch),
+        (Some(corner), patch),
+        (Some(on_edge), patch),
+    ];
     for (vertex, expected) in vertices.into_iter().chain(elsewhere) {
         for reversed in [false, true] {
             let mut b = Builder::new(sphere());

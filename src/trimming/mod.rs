@@ -9,6 +9,7 @@
 mod align;
 mod chain;
 mod fit;
+mod holes;
 mod loops;
 mod monotone;
 mod outline;

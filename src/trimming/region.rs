@@ -1,10 +1,11 @@
 //! From closed loops in the universal cover to the trimmed region in one window.
 //!
 //! Three cases. *Islands*: no loop goes round the surface; the largest loop sets the window. On a surface that is closed
-//! in itself the largest loop may be a hole: then the whole surface is added (see [`is_hole`] and [`lies_outside`]). *Bands*: loops
+//! in itself the largest loop may be a hole: then the whole surface is added (see [`are_holes`]). *Bands*: loops
 //! go round; two of them bound a band, a single one closes against the pole, apex or domain edge on the side on which
 //! the face lies. *Windows*: no loops at all.
 
+use super::holes::are_holes;
 use super::monotone::split_monotone;
 use super::outline::Chain;
 use super::pole::Pole;
@@ -15,7 +16,7 @@ use super::target::Target;
 use super::wrap::{Strip, wrap};
 use super::{EdgeDeviation, FaceTrim, TrimError};
 use crate::brep::{Edge, Id};
-use crate::geometry::{ParameterBox, Surface, invert_surface};
+use crate::geometry::{ParameterBox, Surface};
 use glam::{DVec2, DVec3};
 
 /// What is gathered on the way.
@@ -120,11 +121,8 @@ fn island(target: &Target, chains: &mut Vec<Chain>, sides: &Sides) -> DVec2 {
         (0..areas.len()).max_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs())).expect("there are loops");
     let [origin, _] = extent(&chains[largest].segments);
     let backwards = (areas[largest] > 0.0) != sides.left;
-    let is_hole = || {
-        backwards && is_hole(&chains[largest])
-            || sides.vertices.iter().any(|&p| lies_outside(target, chains, p))
-    };
-    if !sides.seams && is_closed_surface(target) && is_hole() {
+    let are_holes = || are_holes(target, chains, &chains[largest], backwards, &sides.vertices);
+    if !sides.seams && is_closed_surface(target) && are_holes() {
         let mut low = origin;
         let mut high = origin;
         for axis in 0..2 {
@@ -152,44 +150,6 @@ fn pole_beyond(target: &Target, axis: usize, level: f64, up: bool) -> Option<f64
     let beyond = |value: &f64| if up { *value > level } else { *value < level };
     let values = target.poles.iter().filter(|pole| pole.axis == axis).map(value).filter(beyond);
     values.min_by(|a, b| (a - level).abs().total_cmp(&(b - level).abs()))
-}
-
-/// Whether a loop that runs clockwise around its inside is a hole in a closed surface, rather than an outer boundary with
-/// its direction wrong.
-///
-/// Open Cascade writes faces on left-handed surfaces with the direction of their loops wrong (tori and spheres of
-/// fillets, above all), but it never leaves an outer boundary out: its closed faces have seams. Kernels that do leave it out
-/// write directions correctly. So a hole is believed in faces without seams, and only where a hole looks like one: cut by
-/// one curve, or by two halves of one. Patches of fillets have three sides or more.
-fn is_hole(chain: &Chain) -> bool {
-    chain.edges <= 2
-}
-
-/// Whether a vertex that bounds the face by itself lies in none of the loops: then the face does not either, and the loops are holes. Open Cascade
-/// writes a closed surface with holes so, where its outer boundary is a seam between two poles.
-fn lies_outside(target: &Target, chains: &[Chain], vertex: DVec3) -> bool {
-    let segments = || chains.iter().flat_map(|chain| &chain.segments);
-    if let Some(pole) = target.pole_at(vertex) {
-        let axis = target.poles[pole].axis;
-        let touches = |p: DVec2| p[axis] == target.pole_value(pole, p[axis]);
-        return !segments().any(|segment| touches(start(segment)));
-    }
-    let foot = invert_surface(target.surface, vertex, None).uv;
-    let images = |axis: usize| target.periods[axis].map_or(vec![0.0], |period| vec![-period, 0.0, period]);
-    let is_inside = |p: DVec2| {
-        let crosses = |segment: &Segment| {
-            let points: Vec<DVec2> = samples(segment).chain([end(segment)]).collect();
-            points.windows(2).filter(|ends| is_crossed(ends[0], ends[1], p)).count()
-        };
-        segments().map(crosses).sum::<usize>() % 2 == 1
-    };
-    let across = images(1);
-    !images(0).iter().any(|&u| across.iter().any(|&v| is_inside(foot + DVec2::new(u, v))))
-}
-
-/// Whether the ray from `p` along u meets the line from `a` to `b`.
-fn is_crossed(a: DVec2, b: DVec2, p: DVec2) -> bool {
-    (a.y > p.y) != (b.y > p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x
 }
 
 /// Whether the surface bounds a volume by itself: each parameter wraps or ends in poles.

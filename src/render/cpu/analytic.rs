@@ -43,7 +43,7 @@ impl<T: Real> Roots<T> {
 /// Where along a line roots are wanted: where it is in the box of a face, as wide as the face's slack.
 #[derive(Debug, Clone, Copy)]
 pub struct Span<T> {
-    /// In units of the direction.
+    /// Counted from the line's origin, in units of the direction.
     pub ends: [T; 2],
     /// Millimetres.
     pub slack: T,
@@ -55,14 +55,14 @@ impl<T: Real> Span<T> {
         Self { ends: [-T::INFINITY, T::INFINITY], slack: T::ZERO }
     }
 
-    /// The ends in lengths, times `scale`, as far beyond the box as a footprint reaches: no hit of the face is farther.
+    /// The ends in lengths, times `scale`, as far beyond the box as a footprint reaches: in the tangent plane no hit of the face is farther.
     pub fn scaled(&self, length: T, scale: T) -> [T; 2] {
         let beyond = self.slack * number(LONGEST);
         [(self.ends[0] * length - beyond) * scale, (self.ends[1] * length + beyond) * scale]
     }
 }
 
-/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier; those out of the span may be left out.
+/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier; nothing, perhaps, where none is within the span.
 #[inline]
 pub fn carrier_roots<T: Real>(
     kind: u32,

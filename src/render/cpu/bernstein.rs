@@ -10,7 +10,7 @@ use crate::scene::{Net, Scene};
 pub const MAX_ORDER: usize = 26;
 
 /// binomial(n, i), of at most 23 bits.
-const BINOMIALS: [[f32; MAX_ORDER]; MAX_ORDER] = binomials();
+static BINOMIALS: [[f32; MAX_ORDER]; MAX_ORDER] = binomials();
 
 const fn binomials() -> [[f32; MAX_ORDER]; MAX_ORDER] {
     let mut rows = [[0.0; MAX_ORDER]; MAX_ORDER];
@@ -136,6 +136,32 @@ mod tests {
     use crate::scene::SceneBuffers;
     use bytemuck::Zeroable;
 
+    /// Against de Casteljau's scheme on the coefficients that are 1 for one function and 0 for the others.
+    #[test]
+    fn basis_functions_are_those_of_the_triangle() {
+        for degree in 1..MAX_ORDER {
+            for t in [0.0, 1e-3, 0.3, 0.5, 0.8, 1.0, -0.25, 1.25] {
+                let (basis, slopes) = basis_and_slopes::<f64, MAX_ORDER>(degree, t);
+                for i in 0..=degree {
+                    let mut row: Vec<f64> = (0..=degree).map(|k| f64::from(u8::from(k == i))).collect();
+                    while row.len() > 2 {
+                        row = row.windows(2).map(|pair| pair[0] * (1.0 - t) + pair[1] * t).collect();
+                    }
+                    let value = row[0] * (1.0 - t) + row[1] * t;
+                    let slope = degree as f64 * (row[1] - row[0]);
+                    // Outside of [0, 1] both cancel what they sum.
+                    let tolerance = if (0.0..=1.0).contains(&t) { 1e-13 } else { 1e-9 };
+                    assert!((basis[i] - value).abs() < tolerance * value.abs().max(1.0), "{degree} {i} {t}");
+                    assert!(
+                        (slopes[i] - slope).abs() < tolerance * slope.abs().max(30.0),
+                        "{degree} {i} {t}"
+                    );
+                }
+                assert!(basis[degree + 1..].iter().chain(&slopes[degree + 1..]).all(|&x| x == 0.0));
+            }
+        }
+    }
+
     /// Each pair of degrees, and so each of the loops for them, against the double sum, in units of ε times the points' size.
     fn errors_of_jets<T: Kernel>() -> [f64; 3] {
         let mut state = 1_u32;
@@ -187,7 +213,7 @@ mod tests {
     fn jets_of_all_degrees_are_sums_over_the_points() {
         let [single, double] = [errors_of_jets::<f32>(), errors_of_jets::<f64>()];
         eprintln!("{} pairs of degrees: {single:?} and {double:?} roundings", (MAX_ORDER - 1).pow(2));
-        // As many roundings as there are steps of the recurrence and products.
+        // As many roundings as there are products and sums.
         assert!(single.iter().chain(&double).all(|&roundings| roundings < 60.0), "{single:?} {double:?}");
     }
 }

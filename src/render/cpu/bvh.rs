@@ -340,6 +340,36 @@ mod tests {
         }
     }
 
+    /// Two inner nodes, three primitives in one slot, one in another, and four slots with nothing in them.
+    #[test]
+    fn walks_find_all_that_is_in_slots_and_nothing_in_empty_ones() {
+        let everywhere = |imask: u8, child_meta: [u8; 8], primitive_base: u32| BvhNode {
+            imask,
+            child_base: 1,
+            primitive_base,
+            child_meta,
+            child_min_x: [0; 8],
+            child_max_x: [255; 8],
+            ..row(|_| 0)
+        };
+        let inner = |slot: u8| 1 << 5 | (24 + slot);
+        let of = |count: u8, first: u8| ((1 << count) - 1) << 5 | first;
+        let root = [of(3, 0), 0, inner(2), 0, 0, inner(5), 0, of(1, 3)];
+        let first = [0, 0, 0, 0, 0, 0, of(2, 0), 0];
+        let second = [of(1, 0), 0, 0, 0, 0, 0, 0, 0];
+        let mut buffers = SceneBuffers::default();
+        buffers.bvh_nodes =
+            vec![everywhere(0b10_0100, root, 0), everywhere(0, first, 4), everywhere(0, second, 6)];
+        buffers.primitives = (10..17).collect();
+        let scene = buffers.scene();
+        let ray = bvh_ray::<f64>(vec3(-10.0, 5.0, 5.0), vec3(1.0, 0.0, 0.0));
+        let mut walk = start_walk(0, 3, 0);
+        let next = || next_primitive(&mut walk, &scene, &ray, 0.0, f64::INFINITY, &mut ());
+        let mut found: Vec<u32> = std::iter::from_fn(next).map(|met| met.word).collect();
+        found.sort_unstable();
+        assert_eq!(found, [10, 11, 12, 13, 14, 15, 16]);
+    }
+
     #[test]
     fn children_met_at_once_are_those_met_in_turn() {
         eight_at_once_are_those_in_turn::<f32>();

@@ -17,7 +17,7 @@ use std::ops::AddAssign;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Step {
-    /// An instance whose box the ray meets.
+    /// An instance that the ray enters.
     Instance,
     /// A node of a BVH, whose eight boxes are tested.
     Node,

@@ -1,8 +1,10 @@
 //! The tracer against closed forms and brute force, on scenes made by hand.
 
+use super::ray_space::prepare;
 use super::test_scenes::{Random, TestFace, TestNet, scene_of};
+use super::trace::first_hit;
 use super::{Precision, probe};
-use crate::render::{Hit, Ray};
+use crate::render::{Exactness, Hit, Ray};
 use crate::scene::FaceKind;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -175,6 +177,23 @@ fn near_tangent_rays_meet_the_torus_twice_or_not_at_all() {
             assert_eq!(hits.len(), expected, "{offset}: {hits:?}");
         }
     }
+}
+
+/// Whatever boxes led to them, equal hits are equal to the last bit: with the boxes of one, of the other, and of both.
+#[test]
+fn of_coincident_tori_the_first_is_hit() {
+    let face = TestFace::analytic(FaceKind::Torus, [1.0, 0.25], [0.0; 2], [TAU; 2]);
+    let part = TestFace::analytic(FaceKind::Torus, [1.0, 0.25], [0.5, 1.0], [3.0, 2.5]);
+    let scene = scene_of(&[part, face.clone(), face], &[DAffine3::IDENTITY, DAffine3::IDENTITY]);
+    let scene = scene.scene();
+    let mut faces = [0; 3];
+    for ray in random_rays(20_000, 9, DVec3::ZERO, 1.5) {
+        let prepared = prepare::<f32>(&ray, scene.header).expect("it is near");
+        let Some(hit) = first_hit(&scene, Exactness::Exact, &prepared.ray, prepared.near) else { continue };
+        faces[hit.face as usize] += 1;
+        assert_eq!(hit.instance, 0, "{ray:?}");
+    }
+    assert!(faces[0] > 100 && faces[1] > 1000 && faces[2] == 0, "{faces:?}");
 }
 
 #[test]

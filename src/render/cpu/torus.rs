@@ -25,7 +25,10 @@ struct Quartic<T> {
     c0: T,
 }
 
-/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included. What a box leaves of a line is mostly monotone, and done with two values.
+/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included; nothing where none is within the span.
+///
+/// What a box leaves of a line is mostly monotone, so that two values say that there is nothing. Where there may be something the whole chord is searched, for
+/// roots that are the same to the last bit whatever box led to them: of equal hits the lowest face's counts.
 pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, span: &Span<T>) -> Roots<T> {
     let mut roots = Roots::none();
     let size = major + minor;
@@ -42,13 +45,11 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
     }
     let half = square.sqrt();
     let [begin, end] = span.scaled(length, T::ONE / size);
-    let (mut from, mut to) = ((begin - slide).max(-half), (end - slide).min(half));
-    if !(from < to) {
-        return roots;
-    }
+    let (mut from, mut to) = (-half, half);
     let quartic = quartic(origin, direction, major / size, minor / size);
     clip_to_slab(&mut from, &mut to, origin.z, direction.z, quartic.minor + number::<T>(16.0) * T::EPSILON);
-    if !(from < to) {
+    let (begin, end) = ((begin - slide).max(from), (end - slide).min(to));
+    if !(from < to && begin < end && may_have_roots(&quartic, begin, end)) {
         return roots;
     }
     let cuts = critical_points(&quartic, from, to);
@@ -66,6 +67,14 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
         low = high;
     }
     roots
+}
+
+/// Whether the quartic has another sign, or nearly, somewhere between two places than at the first.
+fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
+    let sign = value(q, begin) > T::ZERO;
+    let cuts = critical_points(q, begin, end);
+    let changes = |t: T| (value(q, t) > T::ZERO) != sign;
+    changes(end) || cuts.t[..cuts.count].iter().any(|&t| changes(t) || is_touching(q, t))
 }
 
 /// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
@@ -179,11 +188,12 @@ fn root_between<T: Real>(low: T, high: T, f: impl Fn(T) -> T, derivative: impl F
 
 #[cfg(test)]
 mod tests {
+    use super::super::footprint::LONGEST;
     use super::super::test_scenes::Random;
     use super::*;
 
-    /// Of a line those roots are left out that its span does not hold, and no others.
-    fn spans_only_leave_out_roots<T: Real>(tolerance: f64) {
+    /// Of a line whose span holds a root, all roots are found, the same to the last bit; of others, none.
+    fn spans_leave_out_lines_without_roots<T: Real>(tolerance: f64) {
         let mut random = Random(11);
         let mut counts = [0; 5];
         for _ in 0..20_000 {
@@ -207,20 +217,22 @@ mod tests {
             if !is_clear {
                 continue;
             }
-            let near = |t: f64, others: &[f64]| {
-                others.iter().any(|&other| (line(t) - line(other)).length() <= tolerance * size)
-            };
-            let held = |t: f64| (t - middle).abs() <= half;
-            assert!(all.iter().filter(|&&t| held(t)).all(|&t| near(t, &some)), "{all:?} {some:?} {span:?}");
-            assert!(some.iter().all(|&t| near(t, &all)), "{all:?} {some:?} {span:?}");
+            let length = (line(1.0) - line(0.0)).length();
+            let beyond = |by: f64| half + by * size / length;
+            let is_held = |reach: f64| all.iter().any(|&t| (t - middle).abs() <= reach);
+            if is_held(half) {
+                assert_eq!(some, all, "{span:?}");
+            } else if !is_held(beyond(LONGEST * 1e-6 + tolerance)) {
+                assert!(some.is_empty(), "{all:?} {some:?} {span:?}");
+            }
             counts[some.len()] += 1;
         }
-        assert!(counts[0] > 1000 && counts[1] > 1000 && counts[2] > 300, "{counts:?}");
+        assert!(counts[0] > 1000 && counts[2] > 1000 && counts[4] > 100, "{counts:?}");
     }
 
     #[test]
-    fn what_is_out_of_the_span_is_left_out_and_nothing_else() {
-        spans_only_leave_out_roots::<f64>(1e-12);
-        spans_only_leave_out_roots::<f32>(2e-5);
+    fn lines_without_roots_in_their_span_are_left_out_and_no_others() {
+        spans_leave_out_lines_without_roots::<f64>(1e-12);
+        spans_leave_out_lines_without_roots::<f32>(2e-5);
     }
 }
