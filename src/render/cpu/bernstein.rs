@@ -37,12 +37,12 @@ pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T
     let mut power = T::ONE;
     for (value, &binomial) in basis[..degree].iter_mut().zip(&BINOMIALS[degree - 1]) {
         *value = T::from_f32(binomial) * power;
-        power = power * t;
+        power *= t;
     }
     let mut power = T::ONE;
     for value in basis[..degree].iter_mut().rev() {
-        *value = *value * power;
-        power = power * s;
+        *value *= power;
+        power *= s;
     }
     // A step of the recurrence, (1 − t) Bᵢⁿ⁻¹ + t Bᵢ₋₁ⁿ⁻¹, and the derivatives, n (Bᵢ₋₁ⁿ⁻¹ − Bᵢⁿ⁻¹).
     let factor = T::from_f32(degree as f32);

@@ -312,9 +312,11 @@ mod tests {
     #[test]
     fn primitives_come_by_distance_and_not_beyond_the_far_end() {
         let place = |slot: usize| (slot * 5 % 8) as u8;
-        let mut buffers = SceneBuffers::default();
-        buffers.bvh_nodes = vec![row(place)];
-        buffers.primitives = (0..8).map(|slot| u32::from(place(slot))).collect();
+        let buffers = SceneBuffers {
+            bvh_nodes: vec![row(place)],
+            primitives: (0..8).map(|slot| u32::from(place(slot))).collect(),
+            ..SceneBuffers::default()
+        };
         let scene = buffers.scene();
         for (direction, order) in [(1.0, [0, 1, 2, 3, 4, 5, 6, 7]), (-1.0, [7, 6, 5, 4, 3, 2, 1, 0])] {
             let origin = vec3(80.0 - 200.0 * direction, 5.0, 5.0);
@@ -357,10 +359,15 @@ mod tests {
         let root = [of(3, 0), 0, inner(2), 0, 0, inner(5), 0, of(1, 3)];
         let first = [0, 0, 0, 0, 0, 0, of(2, 0), 0];
         let second = [of(1, 0), 0, 0, 0, 0, 0, 0, 0];
-        let mut buffers = SceneBuffers::default();
-        buffers.bvh_nodes =
-            vec![everywhere(0b10_0100, root, 0), everywhere(0, first, 4), everywhere(0, second, 6)];
-        buffers.primitives = (10..17).collect();
+        let buffers = SceneBuffers {
+            bvh_nodes: vec![
+                everywhere(0b10_0100, root, 0),
+                everywhere(0, first, 4),
+                everywhere(0, second, 6),
+            ],
+            primitives: (10..17).collect(),
+            ..SceneBuffers::default()
+        };
         let scene = buffers.scene();
         let ray = bvh_ray::<f64>(vec3(-10.0, 5.0, 5.0), vec3(1.0, 0.0, 0.0));
         let mut walk = start_walk(0, 3, 0);
