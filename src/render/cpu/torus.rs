@@ -72,9 +72,12 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
 /// Whether the quartic has another sign, or nearly, somewhere between two places than at the first.
 fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
     let sign = value(q, begin) > T::ZERO;
-    let cuts = critical_points(q, begin, end);
     let changes = |t: T| (value(q, t) > T::ZERO) != sign;
-    changes(end) || cuts.t[..cuts.count].iter().any(|&t| changes(t) || is_touching(q, t))
+    if changes(end) {
+        return true;
+    }
+    let cuts = critical_points(q, begin, end);
+    cuts.t[..cuts.count].iter().any(|&t| changes(t) || is_touching(q, t))
 }
 
 /// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
