@@ -11,7 +11,7 @@
 //! A pixel depends on those around it, as far as [`MARGIN`]: a part of a picture is rendered with such a border, and is then to the bit what the whole picture
 //! has there.
 
-use super::camera::pixel_ray;
+use super::camera::center_ray;
 use super::curvature::{Place, curvature};
 use super::hit::surface_parameters;
 use super::occlusion::{REACH, Surface, smooth};
@@ -21,7 +21,7 @@ use super::pixels::{
 use super::shade::{hit_material, is_other};
 use super::vector::Vector3;
 use crate::image::{Film, RANKS, Share, Window};
-use crate::render::{Camera, Ray, RenderOptions, Sampling};
+use crate::render::{Camera, RenderOptions, Sampling};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
@@ -135,7 +135,7 @@ impl<'a> Centers<'a> {
             if self.film.part[pixel] == 0 {
                 return [0.0; 3];
             }
-            let ray = center_ray(&self.film, self.camera, pixel);
+            let ray = center_ray(self.camera, self.options.resolution, self.film.window(), pixel);
             let along = f64::from(self.film.depth[pixel]) / ray.direction.dot(self.camera.forward);
             (ray.origin - origin + ray.direction * along).as_vec3().to_array()
         };
@@ -233,12 +233,6 @@ fn curvature_at(scene: &Scene<'_>, center: &Center) -> [f32; 2] {
     let &Center { net, uv, normal, .. } = center;
     let place = Place { instance: center.instance - 1, face: center.face - 1, net, uv, normal };
     curvature(scene, &place).map(|x| x as f32)
-}
-
-/// The ray through the centre of a film's pixel.
-fn center_ray(film: &Film, camera: &Camera, pixel: usize) -> Ray {
-    let (x, y) = (film.corner[0] + pixel % film.width, film.corner[1] + pixel / film.width);
-    pixel_ray(camera, film.whole.map(|n| n as u32), x as f64 + 0.5, y as f64 + 0.5)
 }
 
 /// From what the centres show to the picture, without a background. `refine` takes all samples of some pixels, at most `most`, in order of their index; it is

@@ -1,11 +1,18 @@
 //! Rays through pixels, and where in a pixel samples lie.
 
+use crate::image::Window;
 use crate::render::{Camera, Ray};
 
 /// The model-space ray through `(x, y)` of the picture in pixels, from the left and from the top.
 pub fn pixel_ray(camera: &Camera, resolution: [u32; 2], x: f64, y: f64) -> Ray {
     let (width, height) = (f64::from(resolution[0]), f64::from(resolution[1]));
     camera.ray(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, width / height)
+}
+
+/// The ray through the centre of pixel `pixel` of a part of a picture, row by row.
+pub fn center_ray(camera: &Camera, resolution: [u32; 2], window: Window, pixel: usize) -> Ray {
+    let (x, y) = (window.left + pixel % window.width, window.top + pixel / window.width);
+    pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5)
 }
 
 /// What tells pixels apart in [`hash`] and in sample sequences: x in the low half, y in the high one.

@@ -1,6 +1,6 @@
 //! Where trims cost: exact odd-even tests per pixel, in the colours of Figure 10 of Sloup and Havran 2021: black for none, red for 20 or more.
 
-use super::camera::pixel_ray;
+use super::camera::center_ray;
 use super::queries::{Untrimmed, first_hit_counts};
 use super::render::render;
 use crate::image::{Film, heat_color};
@@ -29,9 +29,7 @@ pub fn render_trim_tests(
     let untrimmed = Untrimmed::new(scene);
     let window = film.window();
     let count = |pixel: usize| {
-        let (x, y) = (window.left + pixel % window.width, window.top + pixel / window.width);
-        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
-        let ray = pixel_ray(camera, options.resolution, x, y);
+        let ray = center_ray(camera, options.resolution, window, pixel);
         first_hit_counts(scene, &untrimmed, &ray).exact_tests as u32
     };
     film.trim_tests = (0..film.color.len()).into_par_iter().map(count).collect();

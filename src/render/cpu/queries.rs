@@ -6,7 +6,7 @@
 
 use super::NO_NET;
 use super::ray_space::{Distance, prepare};
-use super::trace::{RawHit, comes_before, face_parameters, trace};
+use super::trace::{RawHit, face_parameters, keep_first, trace};
 use super::trim::{packed_inside, study_method, trim_counted, trim_inside};
 use super::trim_study::{TrimCounts, study_inside};
 use crate::render::{Exactness, Ray};
@@ -153,8 +153,8 @@ fn ask(
             Some(query) => inside(query),
             None => true,
         };
-        if is_inside && first_only && first.is_none_or(|first| comes_before(&hit, &first)) {
-            first = Some(hit);
+        if is_inside && first_only {
+            keep_first(&mut first, hit);
         }
         Some(first.map_or(Distance::INFINITE, |first| first.distance))
     });

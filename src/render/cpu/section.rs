@@ -10,7 +10,7 @@ use super::frames::grid_position;
 use super::hit::hit_normal;
 use super::ray_space::{Distance, GridStep, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
-use super::trace::{RawHit, comes_before, first_hit_before, trace};
+use super::trace::{RawHit, first_hit_before, keep_first, trace};
 use super::vector::Vector3;
 use crate::render::section::{MAX_PLANES, Section, SectionPlane};
 use crate::render::{Camera, Exactness};
@@ -204,8 +204,8 @@ pub fn first_hit_of(
 ) -> Option<RawHit<f32>> {
     let mut first: Option<RawHit<f32>> = None;
     trace(scene, exactness, ray, near, far, &mut |hit: RawHit<f32>| {
-        if wanted(&hit) && first.is_none_or(|best| comes_before(&hit, &best)) {
-            first = Some(hit);
+        if wanted(&hit) {
+            keep_first(&mut first, hit);
         }
         Some(first.map_or(far, |best| best.distance))
     });

@@ -2,8 +2,7 @@
 //!
 //! Whoever traces says by type whether steps are counted: `()` counts nothing, and leaves nothing of the counting in the program.
 
-use super::Kernel;
-use super::camera::pixel_ray;
+use super::camera::center_ray;
 use super::ray_space::{Distance, prepare};
 use super::trace::{keep_first, trace_tallied};
 use super::trim_study::TrimCounts;
@@ -103,7 +102,7 @@ pub fn count_steps(
 ) -> RayCounts {
     let search = search.into();
     let of_ray = |mut sum: RayCounts, ray: Ray| {
-        count_ray::<f32>(scene, search, &ray, first_only, &mut sum);
+        count_ray(scene, search, &ray, first_only, &mut sum);
         sum
     };
     let add = |mut a: RayCounts, b: RayCounts| {
@@ -117,23 +116,14 @@ pub fn count_steps(
 pub fn count_steps_of_picture(scene: &Scene<'_>, camera: &Camera, options: &RenderOptions) -> RayCounts {
     let whole = options.resolution.map(|n| n as usize);
     let window = options.window.unwrap_or(Window::whole(whole[0], whole[1]));
-    let ray = |pixel: usize| {
-        let (x, y) = (window.left + pixel % window.width, window.top + pixel / window.width);
-        pixel_ray(camera, options.resolution, x as f64 + 0.5, y as f64 + 0.5)
-    };
+    let ray = |pixel: usize| center_ray(camera, options.resolution, window, pixel);
     let rays = (0..window.width * window.height).into_par_iter().map(ray);
     count_steps(scene, rays, options.exactness, true)
 }
 
-fn count_ray<T: Kernel>(
-    scene: &Scene<'_>,
-    search: NetSearch,
-    ray: &Ray,
-    first_only: bool,
-    sum: &mut RayCounts,
-) {
+fn count_ray(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_only: bool, sum: &mut RayCounts) {
     sum.rays += 1;
-    let Some(prepared) = prepare::<T>(ray, scene.header) else { return };
+    let Some(prepared) = prepare::<f32>(ray, scene.header) else { return };
     let mut first = None;
     let mut accept = |hit| {
         let nearest = keep_first(&mut first, hit);
