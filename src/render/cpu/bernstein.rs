@@ -73,33 +73,38 @@ pub fn net_degrees(net: &Net) -> (usize, usize) {
 
 /// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
 pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [T; 2]) -> NetJet<T> {
-    let degrees = net_degrees(net);
+    let (points, degrees) = (T::net_points(scene), net_degrees(net));
     // Degrees that are known when this is compiled leave no loops. Nearly all nets have the first eight pairs; of the others the degrees along v here are those that
     // the most leaves of real models have.
     match degrees {
-        (3, 3) => net_jet_within::<T, 4>(scene, net, (3, 3), about, uv),
-        (2, 2) => net_jet_within::<T, 4>(scene, net, (2, 2), about, uv),
-        (1, 2) => net_jet_within::<T, 4>(scene, net, (1, 2), about, uv),
-        (2, 1) => net_jet_within::<T, 4>(scene, net, (2, 1), about, uv),
-        (1, 3) => net_jet_within::<T, 4>(scene, net, (1, 3), about, uv),
-        (3, 1) => net_jet_within::<T, 4>(scene, net, (3, 1), about, uv),
-        (2, 3) => net_jet_within::<T, 4>(scene, net, (2, 3), about, uv),
-        (3, 2) => net_jet_within::<T, 4>(scene, net, (3, 2), about, uv),
-        (u @ 0..=11, 3) => net_jet_within::<T, 12>(scene, net, (u, 3), about, uv),
-        (u @ 0..=11, 5) => net_jet_within::<T, 12>(scene, net, (u, 5), about, uv),
-        (u @ 0..=11, 8) => net_jet_within::<T, 12>(scene, net, (u, 8), about, uv),
-        (u @ 0..=11, 9) => net_jet_within::<T, 12>(scene, net, (u, 9), about, uv),
-        (u @ 0..=11, 10) => net_jet_within::<T, 12>(scene, net, (u, 10), about, uv),
-        (u @ 0..=11, 11) => net_jet_within::<T, 12>(scene, net, (u, 11), about, uv),
-        (0..=11, 0..=11) => net_jet_within::<T, 12>(scene, net, degrees, about, uv),
-        _ => net_jet_within::<T, MAX_ORDER>(scene, net, degrees, about, uv),
+        (3, 3) => net_jet_within::<T, T, 4>(points, net, (3, 3), about, uv),
+        (2, 2) => net_jet_within::<T, T, 4>(points, net, (2, 2), about, uv),
+        (1, 2) => net_jet_within::<T, T, 4>(points, net, (1, 2), about, uv),
+        (2, 1) => net_jet_within::<T, T, 4>(points, net, (2, 1), about, uv),
+        (1, 3) => net_jet_within::<T, T, 4>(points, net, (1, 3), about, uv),
+        (3, 1) => net_jet_within::<T, T, 4>(points, net, (3, 1), about, uv),
+        (2, 3) => net_jet_within::<T, T, 4>(points, net, (2, 3), about, uv),
+        (3, 2) => net_jet_within::<T, T, 4>(points, net, (3, 2), about, uv),
+        (u @ 0..=11, 3) => net_jet_within::<T, T, 12>(points, net, (u, 3), about, uv),
+        (u @ 0..=11, 5) => net_jet_within::<T, T, 12>(points, net, (u, 5), about, uv),
+        (u @ 0..=11, 8) => net_jet_within::<T, T, 12>(points, net, (u, 8), about, uv),
+        (u @ 0..=11, 9) => net_jet_within::<T, T, 12>(points, net, (u, 9), about, uv),
+        (u @ 0..=11, 10) => net_jet_within::<T, T, 12>(points, net, (u, 10), about, uv),
+        (u @ 0..=11, 11) => net_jet_within::<T, T, 12>(points, net, (u, 11), about, uv),
+        (0..=11, 0..=11) => net_jet_within::<T, T, 12>(points, net, degrees, about, uv),
+        _ => net_jet_within::<T, T, MAX_ORDER>(points, net, degrees, about, uv),
     }
 }
 
-/// [`net_jet`] of a net with these degrees, below `ORDER`.
+/// [`net_jet`] in f64 of a scene's f32 points.
+pub fn widened_net_jet(scene: &Scene<'_>, net: &Net, about: Vector3<f64>, uv: [f64; 2]) -> NetJet<f64> {
+    net_jet_within::<f64, f32, MAX_ORDER>(scene.net_points, net, net_degrees(net), about, uv)
+}
+
+/// [`net_jet`] of a net with these degrees, below `ORDER`, and its points among `points`.
 #[inline(always)]
-fn net_jet_within<T: Kernel, const ORDER: usize>(
-    scene: &Scene<'_>,
+fn net_jet_within<T: Kernel, P: Copy + Into<T>, const ORDER: usize>(
+    points: &[[P; 4]],
     net: &Net,
     (degree_u, degree_v): (usize, usize),
     about: Vector3<T>,
@@ -115,13 +120,14 @@ fn net_jet_within<T: Kernel, const ORDER: usize>(
     }
     // The rows' values, and beside them their derivatives by v; times the basis functions of u, and times their slopes.
     let (mut values, mut slopes) = (T::Octet::all(T::ZERO), T::Octet::all(T::ZERO));
-    let mut rest = &T::net_points(scene)[net.first_point as usize..];
+    let mut rest = &points[net.first_point as usize..];
     for (&weight, &slope) in basis_u[..=degree_u].iter().zip(&slope_u) {
         let (points, below) = rest.split_at(degree_v + 1);
         rest = below;
         let mut row = T::Octet::all(T::ZERO);
         for (p, &both) in points.iter().zip(&weights) {
-            row += (T::Octet::of(*p, *p) - shift * T::Octet::all(p[3])) * both;
+            let p = p.map(Into::into);
+            row += (T::Octet::of(p, p) - shift * T::Octet::all(p[3])) * both;
         }
         values += row * T::Octet::all(weight);
         slopes += row * T::Octet::all(slope);

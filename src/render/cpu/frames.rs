@@ -4,6 +4,9 @@
 //! grid steps is at most a step long and is all that the number type rounds.
 
 use super::lanes::Octet;
+use super::polish::{is_rough, polish};
+use super::ray_space::WorldRay;
+use super::trace::RawHit;
 use super::vector::{Vector3, number, vec3};
 use crate::numeric::Real;
 use crate::scene::Scene;
@@ -47,6 +50,36 @@ pub struct FaceFrame<T> {
     pub slack: T,
 }
 
+impl InstanceFrame<f32> {
+    /// The same in f64.
+    pub fn widened(&self) -> InstanceFrame<f64> {
+        InstanceFrame {
+            rows: self.rows.map(Vector3::widened),
+            is_translation: self.is_translation,
+            grid: self.grid,
+            fraction: self.fraction.widened(),
+            radius: self.radius.into(),
+        }
+    }
+}
+
+impl FaceFrame<f32> {
+    /// The same in f64.
+    pub fn widened(&self) -> FaceFrame<f64> {
+        FaceFrame {
+            grid: self.grid,
+            kind: self.kind,
+            offset: self.offset.widened(),
+            axes: self.axes.map(Vector3::widened),
+            radii: self.radii.map(f64::from),
+            uv_low: self.uv_low.map(f64::from),
+            uv_scale: self.uv_scale.map(f64::from),
+            period: self.period.map(f64::from),
+            slack: self.slack.into(),
+        }
+    }
+}
+
 /// The number types of the kernels.
 pub trait Kernel: Real {
     /// Newton steps to a double root: half the bits, and some on the way there.
@@ -57,6 +90,8 @@ pub trait Kernel: Real {
     fn face(scene: &Scene<'_>, index: u32) -> FaceFrame<Self>;
     /// The homogeneous control points of all nets.
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[Self; 4]];
+    /// The hit of `ray` without what the number type rounds on the way to it, where that is much; see [`super::polish`].
+    fn polished(scene: &Scene<'_>, ray: &WorldRay<Self>, hit: RawHit<Self>) -> RawHit<Self>;
     /// Eight of these numbers.
     type Octet: Octet<Self>;
 }
@@ -95,6 +130,9 @@ impl Kernel for f32 {
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[f32; 4]] {
         scene.net_points
     }
+    fn polished(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: RawHit<f32>) -> RawHit<f32> {
+        if is_rough(scene, &hit) { polish(scene, ray, &hit).unwrap_or(hit) } else { hit }
+    }
 }
 
 impl Kernel for f64 {
@@ -127,6 +165,10 @@ impl Kernel for f64 {
     #[inline(always)]
     fn net_points<'a>(scene: &Scene<'a>) -> &'a [[f64; 4]] {
         scene.net_points_f64
+    }
+    #[inline(always)]
+    fn polished(_: &Scene<'_>, _: &WorldRay<f64>, hit: RawHit<f64>) -> RawHit<f64> {
+        hit
     }
 }
 

@@ -34,6 +34,7 @@ pub(super) mod path;
 mod paths;
 pub(super) mod pixels;
 mod planes;
+mod polish;
 pub(super) mod probe;
 mod queries;
 pub(super) mod ray_space;

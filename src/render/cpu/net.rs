@@ -438,7 +438,7 @@ fn net_tangents<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> [Vector3
 
 /// The point of a jet and, by the quotient rule, S_u and S_v, each times the weight.
 #[inline]
-fn point_and_tangents<T: Real>(jet: &NetJet<T>) -> (Vector3<T>, [Vector3<T>; 2]) {
+pub fn point_and_tangents<T: Real>(jet: &NetJet<T>) -> (Vector3<T>, [Vector3<T>; 2]) {
     let point = vec3(jet.value[0], jet.value[1], jet.value[2]) * (T::ONE / jet.value[3]);
     (point, [jet.by_u, jet.by_v].map(|d| vec3(d[0], d[1], d[2]) - point * d[3]))
 }

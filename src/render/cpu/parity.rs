@@ -209,7 +209,8 @@ mod tests {
     fn crossing(facing: f32, is_certain: bool) -> Crossing<f32> {
         let certainty = if is_certain { Certainty::Certain } else { Certainty::Border };
         let distance = Distance { anchor: 0.0, offset: 0.0 };
-        let hit = RawHit { distance, instance: 0, face: 0, net: 0, uv: [0.0; 2], certainty };
+        let hit =
+            RawHit { distance, instance: 0, face: 0, net: 0, uv: [0.0; 2], certainty, is_shallow: false };
         Crossing { hit, facing }
     }
 

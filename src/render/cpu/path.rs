@@ -451,6 +451,7 @@ fn catch_shadow(
         net: 0,
         uv: [0.0; 2],
         certainty: Certainty::Certain,
+        is_shallow: false,
     };
     leave(paths, state, ray, &hit, ground.up);
     state.asked = shown.map(|light| -light * share);

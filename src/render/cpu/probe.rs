@@ -85,7 +85,7 @@ fn probe_ray<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_o
     };
     let hits = if first_only {
         let first = first_hit(scene, search, &prepared.ray, prepared.near);
-        match first {
+        match first.map(|hit| T::polished(scene, &prepared.ray, hit)) {
             Some(first) if !first.is_certain() => {
                 let met = met_hits(scene, search, &prepared);
                 // Of more hits than are kept the first may be missing.
@@ -119,7 +119,7 @@ pub fn met_hits<T: Kernel>(
 ) -> Vec<RawHit<T>> {
     let mut hits: Vec<RawHit<T>> = Vec::new();
     trace(scene, search, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
-        hits.push(hit);
+        hits.push(T::polished(scene, &prepared.ray, hit));
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
     if hits.len() == MAX_HITS {

@@ -12,10 +12,14 @@ use super::ray_space::{
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
+use crate::numeric::Real;
 use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
 use std::ops::ControlFlow;
+
+/// |cos| of the angle between ray and normal below which hits are shallow.
+const SHALLOW: f64 = 0.5;
 
 /// A hit as the kernels find it.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +36,8 @@ pub struct RawHit<T> {
     pub uv: [T; 2],
     /// How sure it is.
     pub certainty: Certainty,
+    /// Whether the angle between ray and surface is so small that an error of the surface's position counts several times along the ray.
+    pub is_shallow: bool,
 }
 
 /// How sure it is that a hit is one, the surest first.
@@ -223,9 +229,7 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
                 continue;
             }
             let point = origin + direction * t;
-            let parameters = carrier_parameters(face.kind, point, face.radii);
-            let normalised = |k: usize| (parameters[k] - face.uv_low[k]) * face.uv_scale[k];
-            let uv = [to_window(normalised(0), face.period[0]), to_window(normalised(1), face.period[1])];
+            let uv = window_parameters(&face, point);
             if is_far_outside(uv) {
                 continue;
             }
@@ -239,7 +243,8 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             let cover = cover(scene, record, face.period, uv, margin, &footprint, sides, self.tally);
             if cover != Cover::Outside {
                 let certainty = Certainty::of(cover, footprint.is_grazing);
-                self.meet(RawHit { distance, instance, face: index, net: NO_NET, uv, certainty })?;
+                let (face, net, is_shallow) = (index, NO_NET, is_shallow(&footprint));
+                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
             }
         }
         ControlFlow::Continue(())
@@ -266,8 +271,8 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             if cover != Cover::Outside {
                 let found = Certainty::of(cover, root.footprint.is_grazing);
                 let certainty = if roots.is_cut { Certainty::Border } else { found };
-                let (face, net, uv) = (net.face, leaf.net, root.uv);
-                self.meet(RawHit { distance, instance, face, net, uv, certainty })?;
+                let (face, net, uv, is_shallow) = (net.face, leaf.net, root.uv, is_shallow(&root.footprint));
+                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
             }
         }
         ControlFlow::Continue(())
@@ -285,8 +290,19 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
     }
 }
 
+fn is_shallow<T: Real>(footprint: &Footprint<T>) -> bool {
+    footprint.cosine.abs() < number(SHALLOW)
+}
+
 fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {
     distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO
+}
+
+/// Normalised face parameters of a point of the carrier, in the carrier's frame, wrapped.
+#[inline(always)]
+pub fn window_parameters<T: Real>(face: &FaceFrame<T>, point: Vector3<T>) -> [T; 2] {
+    let parameters = carrier_parameters(face.kind, point, face.radii);
+    [0, 1].map(|k| to_window((parameters[k] - face.uv_low[k]) * face.uv_scale[k], face.period[k]))
 }
 
 /// How a root lies to the border of its face. A leaf's own trim state holds on its own domain only.

@@ -78,6 +78,14 @@ impl<T: Real> Vector3<T> {
     }
 }
 
+impl Vector3<f32> {
+    /// Exact.
+    #[inline(always)]
+    pub fn widened(self) -> Vector3<f64> {
+        vec3(self.x.into(), self.y.into(), self.z.into())
+    }
+}
+
 impl<T: Real> Add for Vector3<T> {
     type Output = Self;
     #[inline(always)]

@@ -6,6 +6,7 @@
 
 use super::kernels::{INCOMPLETE, MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
+use crate::render::cpu::Kernel;
 use crate::render::cpu::hit::finish_hit;
 use crate::render::cpu::probe::{consistent_hits, settled};
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
@@ -218,6 +219,7 @@ impl Gpu {
         }
         let of_ray = |(ray, raw): (Pending, Vec<RawHit<f32>>)| {
             let (scene, prepared) = (&scene.scene, &ray.prepared);
+            let raw: Vec<_> = raw.into_iter().map(|hit| f32::polished(scene, &prepared.ray, hit)).collect();
             let hits = match wanted {
                 Wanted { first_only: true, .. } => raw,
                 Wanted { alone: true, .. } => consistent_hits(scene, prepared, raw),
@@ -320,5 +322,7 @@ fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
         net: hit.net,
         uv: hit.uv,
         certainty: Certainty::from_word(hit.certainty),
+        // The device does not say.
+        is_shallow: true,
     })
 }

@@ -209,6 +209,7 @@ impl<'a> Reference<'a> {
                     net: NO_NET,
                     uv,
                     certainty: Certainty::Certain,
+                    is_shallow: false,
                 };
                 let (facing, front) = (normal.abs(), normal < 0.0);
                 let lengths = [0, 1].map(|k| lengths[k] / face.uv_scale[k].abs());
@@ -274,6 +275,7 @@ impl<'a> Reference<'a> {
                     net: index,
                     uv,
                     certainty: Certainty::Certain,
+                    is_shallow: false,
                 };
                 let (facing, front, on_border) = (normal.abs(), normal < 0.0, near_end(0) || near_end(1));
                 let lengths = [0, 1].map(|k| [by_u, by_v][k].length() / f64::from(net.uv_size[k]));
