@@ -56,6 +56,10 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
     let mut low = from;
     for i in 0..=cuts.count {
         let high = if i == cuts.count { to } else { cuts.t[i] };
+        if high < begin || low > end {
+            low = high;
+            continue;
+        }
         if let Some(t) = root_between(low, high, |t| value(&quartic, t), |t| slope(&quartic, t)) {
             roots.insert((t + slide) * size / length);
         }
@@ -76,8 +80,27 @@ fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
     if changes(end) {
         return true;
     }
+    if is_far_from_zero(q, begin, end) {
+        return false;
+    }
     let cuts = critical_points(q, begin, end);
     cuts.t[..cuts.count].iter().any(|&t| changes(t) || is_touching(q, t))
+}
+
+/// Whether the quartic's Bernstein coefficients between two places say that it has no zero there: all are on one side of 0, by more than they are rounded.
+fn is_far_from_zero<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
+    let width = end - begin;
+    let first = value(q, begin);
+    let last = value(q, end);
+    // F is of degree four, so that its value and two derivatives at the one end and its value and slope at the other determine it.
+    let quarter = width * number(0.25);
+    let second = first + slope(q, begin) * quarter;
+    let fourth = last - slope(q, end) * quarter;
+    let third = curvature(q, begin) * width * width * number(1.0 / 12.0) + second * number(2.0) - first;
+    let margin = number::<T>(512.0) * T::EPSILON;
+    let least = first.min(second).min(third).min(fourth).min(last);
+    let greatest = first.max(second).max(third).max(fourth).max(last);
+    least > margin || greatest < -margin
 }
 
 /// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
