@@ -25,10 +25,10 @@ struct Quartic<T> {
     c0: T,
 }
 
-/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included; nothing where none is within the span.
+/// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included; those within the span at least, and none where none is.
 ///
-/// What a box leaves of a line is mostly monotone, so that two values say that there is nothing. Where there may be something the whole chord is searched, for
-/// roots that are the same to the last bit whatever box led to them: of equal hits the lowest face's counts.
+/// What a box leaves of a line is mostly monotone, so that two values say that there is nothing. Where there may be something the whole chord is cut, and what
+/// reaches into the span searched, for roots that are the same to the last bit whatever box led to them: of equal hits the lowest face's counts.
 pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, span: &Span<T>) -> Roots<T> {
     let mut roots = Roots::none();
     let size = major + minor;
@@ -218,7 +218,7 @@ mod tests {
     use super::super::test_scenes::Random;
     use super::*;
 
-    /// Of a line whose span holds a root, all roots are found, the same to the last bit; of others, none.
+    /// The roots in a line's span are found, the same to the last bit as without a span, and none that are far from it where it holds none.
     fn spans_leave_out_lines_without_roots<T: Real>(tolerance: f64) {
         let mut random = Random(11);
         let mut counts = [0; 5];
@@ -245,10 +245,13 @@ mod tests {
             }
             let length = (line(1.0) - line(0.0)).length();
             let beyond = |by: f64| half + by * size / length;
-            let is_held = |reach: f64| all.iter().any(|&t| (t - middle).abs() <= reach);
-            if is_held(half) {
-                assert_eq!(some, all, "{span:?}");
-            } else if !is_held(beyond(LONGEST * 1e-6 + tolerance)) {
+            let is_within = |t: f64, reach: f64| (t - middle).abs() <= reach;
+            assert!(some.iter().all(|t| all.contains(t)), "{all:?} {some:?} {span:?}");
+            assert!(
+                all.iter().all(|&t| !is_within(t, half) || some.contains(&t)),
+                "{all:?} {some:?} {span:?}"
+            );
+            if !all.iter().any(|&t| is_within(t, beyond(LONGEST * 1e-6 + tolerance))) {
                 assert!(some.is_empty(), "{all:?} {some:?} {span:?}");
             }
             counts[some.len()] += 1;
