@@ -256,7 +256,7 @@ mod tests {
             }
             counts[some.len()] += 1;
         }
-        assert!(counts[0] > 1000 && counts[2] > 1000 && counts[4] > 100, "{counts:?}");
+        assert!(counts[..3].iter().all(|&count| count > 1000) && counts[4] > 10, "{counts:?}");
     }
 
     #[test]
