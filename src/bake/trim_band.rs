@@ -19,62 +19,80 @@ const HALVINGS: usize = 2;
 /// Places between the ends where the cubic is fitted.
 const FITTED: usize = 9;
 
-/// The numerators of a segment in its chord's frame.
-struct ChordFrame {
-    x: Coefficients,
-    y: Coefficients,
-    weight: Coefficients,
-}
-
 /// The band of the whole of `curve`, which runs from `low` to `high` up to f32 rounding; both coordinates of the two differ.
 pub(super) fn band(curve: &Bezier<Homogeneous2>, low: [f32; 2], high: [f32; 2]) -> Band {
     let [low, high] = [low, high].map(|p| DVec2::from_array(p.map(f64::from)));
     let numerators = curve.points.iter().map(|p| (p.truncate() - low * p.z) / (high - low));
     let (u, v): (Coefficients, Coefficients) = numerators.map(|p| (p.x, p.y)).unzip();
-    let weight: Coefficients = curve.points.iter().map(|p| p.z).collect();
-    let by_v = ChordFrame { x: v.clone(), y: u.clone(), weight: weight.clone() }.band(true);
-    let by_u = ChordFrame { x: u, y: v, weight }.band(false);
-    if by_u.half_width <= by_v.half_width { by_u } else { by_v }
+    let weights: Coefficients = curve.points.iter().map(|p| p.z).collect();
+    let is_rational = weights.iter().any(|&w| w != 1.0);
+    let weights = is_rational.then_some(&weights[..]);
+    let by_v = ChordFrame { x: &v, y: &u, weights }.fitted(true);
+    let by_u = ChordFrame { x: &u, y: &v, weights }.fitted(false);
+    let (frame, fit) = if by_u.1.farthest <= by_v.1.farthest { by_u } else { by_v };
+    let bound = frame.bound(f64::from(fit.band.bulge), f64::from(fit.band.skew)) + ROUNDING;
+    Band { half_width: narrow::above(bound), ..fit.band }
 }
 
-impl ChordFrame {
-    fn band(&self, by_v: bool) -> Band {
-        let [bulge, skew] = self.fit();
-        // What the word holds is bounded, not what was fitted.
-        let fitted = Band { bulge: narrow::number(bulge), skew: narrow::number(skew), by_v, half_width: 0.0 };
-        let band = Band::unpack(fitted.pack());
-        let bound = self.bound(f64::from(band.bulge), f64::from(band.skew)) + ROUNDING;
-        Band { half_width: narrow::above(bound), ..band }
-    }
+/// The numerators of a segment in its chord's frame.
+#[derive(Clone, Copy)]
+struct ChordFrame<'a> {
+    x: &'a [f64],
+    y: &'a [f64],
+    /// Unless all are 1.
+    weights: Option<&'a [f64]>,
+}
 
-    /// Bulge and skew with the least squares at a few places.
-    fn fit(&self) -> [f64; 2] {
-        let (mut aa, mut ab, mut bb, mut ar, mut br) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for i in 1..=FITTED {
+/// A band without its width.
+struct Fit {
+    band: Band,
+    /// Of the places that it was fitted to, how far off the farthest is.
+    farthest: f64,
+}
+
+impl ChordFrame<'_> {
+    /// With the least squares at a few places.
+    fn fitted(self, by_v: bool) -> (Self, Fit) {
+        let place = |i: usize| {
             let t = i as f64 / (FITTED + 1) as f64;
-            let w = eval(&self.weight, t);
-            let (x, y) = (eval(&self.x, t) / w, eval(&self.y, t) / w);
+            let w = self.weights.map_or(1.0, |weights| eval(weights, t));
+            let (x, y) = (eval(self.x, t) / w, eval(self.y, t) / w);
             let a = 4.0 * x * (1.0 - x);
-            let b = a * (2.0 * x - 1.0);
+            [a, a * (2.0 * x - 1.0), y - x]
+        };
+        let places: [[f64; 3]; FITTED] = std::array::from_fn(|i| place(i + 1));
+        let (mut aa, mut ab, mut bb, mut ar, mut br) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for [a, b, r] in places {
             (aa, ab, bb) = (aa + a * a, ab + a * b, bb + b * b);
-            (ar, br) = (ar + a * (y - x), br + b * (y - x));
+            (ar, br) = (ar + a * r, br + b * r);
         }
         let determinant = aa * bb - ab * ab;
         let fitted = [(ar * bb - br * ab) / determinant, (br * aa - ar * ab) / determinant];
-        if fitted.iter().all(|c| c.is_finite()) { fitted } else { [0.0; 2] }
+        let [bulge, skew] = if fitted.iter().all(|c| c.is_finite()) { fitted } else { [0.0; 2] };
+        // What the word holds is bounded, not what was fitted.
+        let fitted = Band { bulge: narrow::number(bulge), skew: narrow::number(skew), by_v, half_width: 0.0 };
+        let band = Band::unpack(fitted.pack());
+        let (bulge, skew) = (f64::from(band.bulge), f64::from(band.skew));
+        let off = places.map(|[a, b, r]| (r - a * bulge - b * skew).abs());
+        (self, Fit { band, farthest: off.into_iter().fold(0.0, f64::max) })
     }
 
     /// A bound of |g|.
-    fn bound(&self, bulge: f64, skew: f64) -> f64 {
+    fn bound(self, bulge: f64, skew: f64) -> f64 {
         let sum = |a: &[f64], by: f64, b: &[f64]| {
             a.iter().zip(b).map(|(a, b)| a + by * b).collect::<Coefficients>()
         };
-        let (x, w) = (&self.x, &self.weight);
+        let Self { x, y, weights } = self;
+        let ones = Coefficients::from_elem(1.0, 2 * x.len() - 1);
+        let w = weights.unwrap_or(&ones[..x.len()]);
         let scaled: Coefficients = w.iter().map(|w| w * (bulge - skew)).collect();
         let cubic = product(&product(x, &sum(w, -1.0, x)), &sum(&scaled, 2.0 * skew, x));
-        let w2 = product(w, w);
-        let g = sum(&product(&sum(&self.y, -1.0, x), &w2), -4.0, &cubic);
-        bound_of_quotient(&g, &product(&w2, w), HALVINGS)
+        let w2 = weights.map_or(ones.clone(), |w| product(w, w));
+        let g = sum(&product(&sum(y, -1.0, x), &w2), -4.0, &cubic);
+        match weights {
+            Some(w) => bound_of_quotient(&g, &product(&w2, w), HALVINGS),
+            None => bound_of_polynomial(&g, HALVINGS),
+        }
     }
 }
 
@@ -86,7 +104,19 @@ fn bound_of_quotient(numerator: &[f64], denominator: &[f64], halvings: usize) ->
         return halves[0].max(halves[1]);
     }
     let quotient = |(n, d): (&f64, &f64)| if *d > 0.0 { n.abs() / d } else { f64::INFINITY };
-    let bound = numerator.iter().zip(denominator).map(quotient).fold(0.0, f64::max);
+    finite_or_infinite(numerator.iter().zip(denominator).map(quotient).fold(0.0, f64::max))
+}
+
+/// A bound of |polynomial| on [0, 1].
+fn bound_of_polynomial(coefficients: &[f64], halvings: usize) -> f64 {
+    if halvings > 0 {
+        let [first, second] = split(coefficients, 0.5).map(|half| bound_of_polynomial(&half, halvings - 1));
+        return first.max(second);
+    }
+    finite_or_infinite(coefficients.iter().fold(0.0, |bound, c| bound.max(c.abs())))
+}
+
+fn finite_or_infinite(bound: f64) -> f64 {
     if bound.is_finite() { bound } else { f64::INFINITY }
 }
 

@@ -9,6 +9,9 @@ use smallvec::SmallVec;
 /// Coefficients, most of the time without a heap allocation.
 pub type Coefficients = SmallVec<[f64; 16]>;
 
+/// Of products at most: those of three curves of the highest degree that files and kernels go to.
+pub const MAX_DEGREE: usize = 3 * 25;
+
 /// The value at `t`.
 pub fn eval(coefficients: &[f64], t: f64) -> f64 {
     eval_with_derivative(coefficients, t).0
@@ -61,6 +64,10 @@ pub fn elevate(coefficients: &[f64], by: usize) -> Coefficients {
 }
 
 /// The product: `c[k] = Σ C(m,i) C(n,k−i) / C(m+n,k) · a[i] b[k−i]`.
+///
+/// # Panics
+///
+/// Above [`MAX_DEGREE`].
 pub fn product(a: &[f64], b: &[f64]) -> Coefficients {
     if a.is_empty() || b.is_empty() {
         return Coefficients::new();
@@ -74,13 +81,25 @@ pub fn product(a: &[f64], b: &[f64]) -> Coefficients {
     (0..=m + n).map(at).collect()
 }
 
-fn binomials(n: usize) -> Coefficients {
-    let mut row = Coefficients::from_slice(&[1.0]);
-    for k in 0..n {
-        row.push(row[k] * (n - k) as f64 / (k + 1) as f64);
-    }
-    row
+/// Row n of Pascal's triangle; exact up to n = 56.
+fn binomials(n: usize) -> &'static [f64] {
+    &BINOMIALS[n][..=n]
 }
+
+static BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+    let mut n = 0;
+    while n <= MAX_DEGREE {
+        rows[n][0] = 1.0;
+        let mut k = 0;
+        while k < n {
+            rows[n][k + 1] = rows[n - 1][k] + rows[n - 1][k + 1];
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};
 
 /// The two parts at `t`, each on [0, 1]; they share the value at `t`.
 pub fn split(coefficients: &[f64], t: f64) -> [Coefficients; 2] {

@@ -6,6 +6,7 @@
 
 use super::segment::{Segment, control, end, is_constant, start, with_unit_ends};
 use crate::geometry::{Bezier, Homogeneous, Homogeneous2};
+use crate::numeric::bernstein::{Coefficients, product};
 
 /// A coordinate that varies by less than this share of its magnitude is constant up to rounding: 2⁻⁴⁶, 64 roundings.
 const FLAT: f64 = 1.5e-14;
@@ -79,42 +80,21 @@ fn settle(piece: &mut Segment, turned_at_start: Option<usize>, turned_at_end: Op
 }
 
 /// Bernstein coefficients, degree 2n − 1, of `X' W − X W'`, with X measured from the start for accuracy; those of `X'` where W is 1.
-fn derivative_numerator(curve: &Segment, axis: usize) -> Vec<f64> {
+fn derivative_numerator(curve: &Segment, axis: usize) -> Coefficients {
     if is_constant(curve, axis) {
-        return vec![0.0];
+        return Coefficients::from_slice(&[0.0]);
     }
     let origin = start(curve)[axis];
-    let weights: Vec<f64> = curve.points.iter().map(|p| p.weight()).collect();
-    let values: Vec<f64> = curve.points.iter().map(|p| (p.point()[axis] - origin) * p.weight()).collect();
-    let slopes = |c: &[f64]| c.windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
+    let weights: Coefficients = curve.points.iter().map(|p| p.weight()).collect();
+    let values: Coefficients =
+        curve.points.iter().map(|p| (p.point()[axis] - origin) * p.weight()).collect();
+    let slopes = |c: &[f64]| c.windows(2).map(|w| w[1] - w[0]).collect::<Coefficients>();
     if weights.iter().all(|w| *w == 1.0) {
         return slopes(&values);
     }
     let left = product(&slopes(&values), &weights);
     let right = product(&slopes(&weights), &values);
     left.iter().zip(&right).map(|(a, b)| a - b).collect()
-}
-
-/// The product of two polynomials in Bernstein form.
-fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let (m, n) = (a.len() - 1, b.len() - 1);
-    let (row_a, row_b, row) = (binomials(m), binomials(n), binomials(m + n));
-    let mut result = vec![0.0; m + n + 1];
-    for i in 0..=m {
-        for j in 0..=n {
-            result[i + j] += row_a[i] * row_b[j] * a[i] * b[j];
-        }
-    }
-    result.iter().zip(&row).map(|(sum, binomial)| sum / binomial).collect()
-}
-
-/// Row n of Pascal's triangle; exact up to n = 56, which covers degree 25.
-fn binomials(n: usize) -> Vec<f64> {
-    let mut row = vec![1.0; n + 1];
-    for i in 1..n {
-        row[i] = row[i - 1] * (n + 1 - i) as f64 / i as f64;
-    }
-    row
 }
 
 /// Parameters in (0, 1) where the polynomial changes sign, in order.
