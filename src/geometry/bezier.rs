@@ -1,5 +1,6 @@
 //! Bézier curves and tensor-product patches over homogeneous points.
 
+use crate::numeric::bernstein;
 use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 use std::ops::{Add, Mul, Sub};
@@ -159,9 +160,21 @@ impl<P: Homogeneous> Bezier<P> {
     }
     /// The homogeneous point at `t`.
     pub fn eval(&self, t: f64) -> P {
-        let mut row = Row::from_slice(&self.points);
-        casteljau(&mut row, t, 1);
-        row[0]
+        let points = &self.points;
+        if self.degree() > bernstein::MAX_DEGREE {
+            let mut row = Row::from_slice(points);
+            casteljau(&mut row, t, 1);
+            return row[0];
+        }
+        // Nested multiplication, which needs no triangle; at 0 and 1 the end points to the bit.
+        let (s, mut power) = (1.0 - t, 1.0);
+        points[1..].iter().zip(&bernstein::binomials(self.degree())[1..]).fold(
+            points[0],
+            |sum, (p, binomial)| {
+                power *= t;
+                sum * s + *p * (power * binomial)
+            },
+        )
     }
     /// The homogeneous point at `t` and its first two derivatives.
     pub fn derivatives(&self, t: f64) -> [P; 3] {

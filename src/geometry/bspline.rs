@@ -49,16 +49,18 @@ impl<P: Homogeneous> BsplineCurve<P> {
     }
     /// The homogeneous point at `t`, clamped to the domain.
     pub fn eval(&self, t: f64) -> P {
-        let [first, last] = self.domain();
-        let p = self.knots.degree();
-        let basis = self.knots.basis::<MANY>(t.clamp(first, last), 0);
-        combine(&basis.values[0][..=p], &self.points[basis.first..=basis.first + p])
+        let [value] = if self.knots.degree() < FEW { self.jet::<FEW, 1>(t) } else { self.jet::<MANY, 1>(t) };
+        value
     }
     /// The homogeneous point at `t`, clamped to the domain, and its first two derivatives.
     pub fn derivatives(&self, t: f64) -> [P; 3] {
+        if self.knots.degree() < FEW { self.jet::<FEW, 3>(t) } else { self.jet::<MANY, 3>(t) }
+    }
+    /// The value and the first derivatives, `COUNT` together; `N` is above the degree.
+    fn jet<const N: usize, const COUNT: usize>(&self, t: f64) -> [P; COUNT] {
         let [first, last] = self.domain();
         let p = self.knots.degree();
-        let basis = self.knots.basis::<MANY>(t.clamp(first, last), 2);
+        let basis = self.knots.basis::<N>(t.clamp(first, last), COUNT - 1);
         let points = &self.points[basis.first..=basis.first + p];
         std::array::from_fn(|k| combine(&basis.values[k][..=p], points))
     }

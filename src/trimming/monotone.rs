@@ -86,8 +86,7 @@ fn derivative_numerator(curve: &Segment, axis: usize) -> Coefficients {
     }
     let origin = start(curve)[axis];
     let weights: Coefficients = curve.points.iter().map(|p| p.weight()).collect();
-    let values: Coefficients =
-        curve.points.iter().map(|p| (p.point()[axis] - origin) * p.weight()).collect();
+    let values: Coefficients = curve.points.iter().map(|p| (p.point()[axis] - origin) * p.weight()).collect();
     let slopes = |c: &[f64]| c.windows(2).map(|w| w[1] - w[0]).collect::<Coefficients>();
     if weights.iter().all(|w| *w == 1.0) {
         return slopes(&values);
