@@ -1,6 +1,6 @@
 //! Bézier curves and tensor-product patches over homogeneous points.
 
-use crate::numeric::bernstein;
+use super::knots::FEW;
 use glam::{DVec2, DVec3, DVec4};
 use smallvec::SmallVec;
 use std::ops::{Add, Mul, Sub};
@@ -95,31 +95,31 @@ fn mix<P: Homogeneous>(a: P, b: P, t: f64) -> P {
     a * (1.0 - t) + b * t
 }
 
-/// De Casteljau's triangle down to `left` points.
-fn casteljau<P: Homogeneous>(row: &mut Row<P>, t: f64, left: usize) {
-    while row.len() > left {
-        for i in 0..row.len() - 1 {
+/// De Casteljau's triangle down to `left` points, which are the first of the row.
+fn casteljau<P: Homogeneous>(row: &mut [P], t: f64, left: usize) -> &mut [P] {
+    for count in (left..row.len()).rev() {
+        for i in 0..count {
             row[i] = mix(row[i], row[i + 1], t);
         }
-        row.pop();
     }
+    let left = left.min(row.len());
+    &mut row[..left]
 }
 
 /// Value and two derivatives from the last three rows of the triangle.
-fn derivatives_of_row<P: Homogeneous>(mut row: Row<P>, t: f64) -> [P; 3] {
+fn derivatives_of_row<P: Homogeneous>(row: &mut [P], t: f64) -> [P; 3] {
     let n = row.len().saturating_sub(1) as f64;
-    casteljau(&mut row, t, 3);
+    let row = casteljau(row, t, 3);
     let second = match row[..] {
         [a, b, c] => (c - b - (b - a)) * (n * (n - 1.0)),
         _ => P::default(),
     };
-    casteljau(&mut row, t, 2);
+    let row = casteljau(row, t, 2);
     let first = match row[..] {
         [a, b] => (b - a) * n,
         _ => P::default(),
     };
-    casteljau(&mut row, t, 1);
-    [row[0], first, second]
+    [casteljau(row, t, 1)[0], first, second]
 }
 
 /// The control points of the two pieces at `t`; they share the middle point.
@@ -160,25 +160,17 @@ impl<P: Homogeneous> Bezier<P> {
     }
     /// The homogeneous point at `t`.
     pub fn eval(&self, t: f64) -> P {
-        let points = &self.points;
-        if self.degree() > bernstein::MAX_DEGREE {
-            let mut row = Row::from_slice(points);
-            casteljau(&mut row, t, 1);
-            return row[0];
+        let count = self.points.len();
+        if count <= FEW {
+            let mut row = [P::default(); FEW];
+            row[..count].copy_from_slice(&self.points);
+            return casteljau(&mut row[..count], t, 1)[0];
         }
-        // Nested multiplication, which needs no triangle; at 0 and 1 the end points to the bit.
-        let (s, mut power) = (1.0 - t, 1.0);
-        points[1..].iter().zip(&bernstein::binomials(self.degree())[1..]).fold(
-            points[0],
-            |sum, (p, binomial)| {
-                power *= t;
-                sum * s + *p * (power * binomial)
-            },
-        )
+        casteljau(&mut Row::from_slice(&self.points), t, 1)[0]
     }
     /// The homogeneous point at `t` and its first two derivatives.
     pub fn derivatives(&self, t: f64) -> [P; 3] {
-        derivatives_of_row(Row::from_slice(&self.points), t)
+        derivatives_of_row(&mut Row::from_slice(&self.points), t)
     }
     /// The two halves at `t`; they share the middle point bit for bit.
     pub fn split(&self, t: f64) -> [Self; 2] {
@@ -214,12 +206,12 @@ impl BezierPatch {
     pub fn second_derivatives(&self, u: f64, v: f64) -> [Homogeneous3; 6] {
         let mut columns: [Row<Homogeneous3>; 3] = Default::default();
         for row in self.points.chunks_exact(self.degrees[1] + 1) {
-            let derivatives = derivatives_of_row(Row::from_slice(row), v);
+            let derivatives = derivatives_of_row(&mut Row::from_slice(row), v);
             for k in 0..3 {
                 columns[k].push(derivatives[k]);
             }
         }
-        let [values, firsts, seconds] = columns;
+        let [values, firsts, seconds] = &mut columns;
         let [s, du, duu] = derivatives_of_row(values, u);
         let [dv, duv, _] = derivatives_of_row(firsts, u);
         let [dvv, ..] = derivatives_of_row(seconds, u);

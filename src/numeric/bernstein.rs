@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 /// Coefficients, most of the time without a heap allocation.
 pub type Coefficients = SmallVec<[f64; 16]>;
 
-/// Of products and evaluations at most: those of three curves of the highest degree that files and kernels go to.
+/// Of products at most: those of three curves of the highest degree that files and kernels go to.
 pub const MAX_DEGREE: usize = 3 * 25;
 
 /// The value at `t`.
@@ -82,7 +82,7 @@ pub fn product(a: &[f64], b: &[f64]) -> Coefficients {
 }
 
 /// Row n of Pascal's triangle, n up to [`MAX_DEGREE`]; exact up to n = 56.
-pub fn binomials(n: usize) -> &'static [f64] {
+fn binomials(n: usize) -> &'static [f64] {
     &BINOMIALS[n][..=n]
 }
 
