@@ -39,16 +39,8 @@ pub(super) fn align_constants(outlines: &mut [Outline], target: &Target, axis: u
         }
     }
     entries.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let mut begin = 0;
-    for i in 1..=entries.len() {
-        let together = i < entries.len()
-            && entries[i].value - entries[i - 1].value <= 2.0 * entries[i].width.min(entries[i - 1].width);
-        if together {
-            continue;
-        }
-        let cluster = &entries[begin..i];
-        begin = i;
-        let leader = cluster.iter().find(|e| e.image.is_none()).unwrap_or(&cluster[0]).value;
+    for cluster in entries.chunk_by(are_together) {
+        let leader = leader(cluster);
         for entry in cluster {
             let Some((outline, image)) = entry.image else { continue };
             let value = leader + entry.turns * period.unwrap_or(0.0);
@@ -66,10 +58,48 @@ pub(super) fn align_constants(outlines: &mut [Outline], target: &Target, axis: u
     }
 }
 
+/// Whether two neighbours, in order, are one value. Between the two ends of a domain only an image can say so.
+fn are_together(low: &Entry, high: &Entry) -> bool {
+    let width = low.width.min(high.width);
+    width.is_finite() && high.value - low.value <= 2.0 * width
+}
+
+/// The value of all of a cluster.
+fn leader(cluster: &[Entry]) -> f64 {
+    cluster.iter().find(|entry| entry.image.is_none()).unwrap_or(&cluster[0]).value
+}
+
 struct Entry {
     value: f64,
-    /// How far the value may move.
+    /// How far the value may move; infinite for ends of the domain, to which images move.
     width: f64,
     image: Option<(usize, usize)>,
     turns: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(value: f64) -> Entry {
+        Entry { value, width: 1e-7, image: Some((0, 0)), turns: 0.0 }
+    }
+
+    fn end(value: f64) -> Entry {
+        Entry { value, width: f64::INFINITY, image: None, turns: 0.0 }
+    }
+
+    /// Beside the end where it lies, however few others there are: that the domain's ends are neighbours in order makes them no one value.
+    #[test]
+    fn an_image_a_rounding_beyond_the_domain_moves_to_its_own_end() {
+        for beyond in [1.0_f64.next_down(), 1.0, 1.0_f64.next_up(), 1.0 + 1e-7] {
+            let mut entries = [end(0.0), end(1.0), image(beyond)];
+            entries.sort_by(|a, b| a.value.total_cmp(&b.value));
+            let leaders: Vec<f64> = entries.chunk_by(are_together).map(leader).collect();
+            assert_eq!(leaders, [0.0, 1.0], "{beyond}");
+        }
+        let entries = [end(0.0), image(0.5), image(0.5 + 1e-7), end(1.0)];
+        let leaders: Vec<f64> = entries.chunk_by(are_together).map(leader).collect();
+        assert_eq!(leaders, [0.0, 0.5, 1.0]);
+    }
 }
