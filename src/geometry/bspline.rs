@@ -7,7 +7,7 @@ use super::surface::SurfaceDerivatives;
 use glam::{DVec2, DVec3, DVec4};
 
 /// Ends closer than this share of the size of the control points count as the same.
-const CLOSED: f64 = 1e-9;
+const CLOSED: f64 = 1e-7;
 /// Pieces at a knot of too high multiplicity meet where they are closer than this share of the size.
 const MEETING: f64 = 1e-6;
 
@@ -64,7 +64,7 @@ impl<P: Homogeneous> BsplineCurve<P> {
         let points = &self.points[basis.first..=basis.first + p];
         std::array::from_fn(|k| combine(&basis.values[k][..=p], points))
     }
-    /// Whether the end is where the start is, within 1e-9 of the size of the control polygon.
+    /// Whether the end is where the start is, within 1e-7 of the size of the control polygon.
     pub fn is_closed(&self) -> bool {
         self.points[0].separation(self.points[self.points.len() - 1]) <= CLOSED * size(&self.points)
     }
@@ -87,7 +87,7 @@ impl<P: Homogeneous> BsplineCurve<P> {
 
 impl BsplineSurface {
     /// A surface from degrees, full knot vectors (any; clamped by knot insertion) and control points, v fastest.
-    /// Detects `closed` within 1e-9 of the control net's size.
+    /// Detects `closed` within 1e-7 of the control net's size.
     pub fn new(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],

@@ -94,7 +94,7 @@ impl Reader<'_> {
         let repairs = self.pieces(entity.id, depth, &mut pieces)?;
         let size = pieces.iter().map(Piece::reach).fold(0.0, f64::max);
         pieces.retain(|piece| piece.reach() > 0.0);
-        turn(&mut pieces);
+        turn(&mut pieces, MEETING * size);
         if pieces.windows(2).any(|pair| pair[0].at(1.0).distance(pair[1].at(0.0)) > MEETING * size) {
             return Err(problem(entity, "the segments do not meet"));
         }
@@ -104,8 +104,9 @@ impl Reader<'_> {
     }
 }
 
-/// Turns pieces round that start where they should end; senses in files are often wrong.
-pub fn turn(pieces: &mut [Piece]) {
+/// Turns pieces round that start where they should end; senses in files are often wrong. What ends as near as `meeting` stays as it is: the two ends of a ring, and
+/// two pieces with both ends in common, are told apart by nothing but the file.
+pub fn turn(pieces: &mut [Piece], meeting: f64) {
     if let [first, second, ..] = pieces {
         let near = |s: f64| {
             [0.0, 1.0]
@@ -113,13 +114,13 @@ pub fn turn(pieces: &mut [Piece]) {
                 .into_iter()
                 .fold(f64::INFINITY, f64::min)
         };
-        if near(0.0) < near(1.0) && pieces.len() > 2 {
+        if near(0.0) + meeting < near(1.0) && pieces.len() > 2 {
             pieces[0].range.reverse();
         }
     }
     for i in 1..pieces.len() {
         let tail = pieces[i - 1].at(1.0);
-        if pieces[i].at(1.0).distance(tail) < pieces[i].at(0.0).distance(tail) {
+        if pieces[i].at(1.0).distance(tail) + meeting < pieces[i].at(0.0).distance(tail) {
             pieces[i].range.reverse();
         }
     }
