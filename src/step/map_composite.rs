@@ -125,3 +125,48 @@ pub fn turn(pieces: &mut [Piece], meeting: f64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(from: DVec3, to: DVec3) -> Piece {
+        Piece { curve: Curve::Line { origin: from, direction: to - from }, range: [0.0, 1.0], entity: 1 }
+    }
+
+    /// There, back, and on in a ring: whatever a file's last digits are, all run as it says.
+    #[test]
+    fn pieces_that_meet_either_way_are_not_turned() {
+        let (a, b) = (DVec3::ZERO, DVec3::X * 10.0);
+        for off in [-1e-9, 0.0, 1e-9] {
+            let ring = [a, DVec3::Y, DVec3::new(-1.0, 1.0, 0.0), DVec3::X * off];
+            let ring = ring.windows(2).map(|w| curve_to_bspline(&line(w[0], w[1]).curve, [0.0, 1.0]));
+            let ring = join_curves(&ring.collect::<Vec<_>>()).expect("lines that meet");
+            let range = ring.domain();
+            let ring = Piece { curve: Curve::Bspline(ring), range, entity: 2 };
+            let mut pieces = vec![line(a, b + DVec3::X * off), line(b, a + DVec3::X * off), ring];
+            turn(&mut pieces, 1e-6);
+            assert_eq!(pieces.iter().map(|p| p.range).collect::<Vec<_>>(), [[0.0, 1.0], [0.0, 1.0], range]);
+        }
+    }
+
+    #[test]
+    fn pieces_that_meet_one_way_are_turned_to_it() {
+        let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+        for flips in 0..8 {
+            let sides = [[a, b], [b, c], [c, a]];
+            let mut pieces: Vec<Piece> = (0..3)
+                .map(|i| {
+                    if flips >> i & 1 == 1 {
+                        line(sides[i][1], sides[i][0])
+                    } else {
+                        line(sides[i][0], sides[i][1])
+                    }
+                })
+                .collect();
+            turn(&mut pieces, 1e-6);
+            let gap = |i: usize| pieces[i].at(1.0).distance(pieces[(i + 1) % 3].at(0.0));
+            assert!((0..3).all(|i| gap(i) < 1e-12), "{flips}");
+        }
+    }
+}
