@@ -1,5 +1,5 @@
-//! The last digits of a file are no information: a model whose points are off by some roundings is the same model, with every face, and rays meet it where they
-//! met it. What is decided by equality or by a sign near 0 shows here.
+//! The last digits of a file are no information: a model whose points (not its directions and radii) are off by some roundings is the same model, with every face,
+//! and rays meet it where they met it. What is decided by equality of coordinates, or by a sign near 0, shows here.
 
 use std::path::{Path, PathBuf};
 use trimray::bake::{BakeOptions, bake};
@@ -10,8 +10,8 @@ use trimray::render::cpu::{Precision, probe};
 use trimray::render::{Hit, Ray};
 use trimray::scene::SceneBuffers;
 
-/// Relative, of coordinates of points: thousands of roundings of f64, and nothing to a tolerance of any kernel.
-const NOISE: f64 = 1e-12;
+/// Millimetres: thousands of roundings of f64, and nothing to a tolerance of any kernel.
+const NOISE: f64 = 1e-10;
 
 /// Rays at each fixture.
 const RAYS: u64 = 400;
@@ -50,7 +50,7 @@ fn shaken(text: &str, random: &mut Random) -> (String, usize) {
         let shake = |number: &str| {
             let value: f64 = number.trim().parse().unwrap_or_else(|_| panic!("{number:?} in {point:.100}"));
             moved += 1;
-            format!("{:E}", value * (1.0 + NOISE * random.next()))
+            format!("{:E}", value + NOISE * random.next())
         };
         let coordinates: Vec<String> = coordinates.split(',').map(shake).collect();
         out += &format!("CARTESIAN_POINT({name}({}){rest}", coordinates.join(","));

@@ -56,7 +56,7 @@ impl<P: Homogeneous> BsplineCurve<P> {
     pub fn derivatives(&self, t: f64) -> [P; 3] {
         if self.knots.degree() < FEW { self.jet::<FEW, 3>(t) } else { self.jet::<MANY, 3>(t) }
     }
-    /// The value and the first derivatives, `COUNT` together; `N` is above the degree.
+    /// The first `COUNT` of value, first and second derivative; `N` is above the degree.
     fn jet<const N: usize, const COUNT: usize>(&self, t: f64) -> [P; COUNT] {
         let [first, last] = self.domain();
         let p = self.knots.degree();
@@ -169,7 +169,15 @@ impl BsplineSurface {
             let mut pairs = self.side(axis, false).zip(self.side(axis, true)).peekable();
             let ratio = pairs.peek().map_or(1.0, |(a, b)| b.w / a.w);
             pairs.all(|(a, b)| a.separation(b) <= tolerance && (b.w - ratio * a.w).abs() <= CLOSED * b.w)
+                && self.is_wide(axis, tolerance)
         })
+    }
+
+    /// Whether the surface goes anywhere along `axis`: a strip whose sides are as near as its width is not closed.
+    fn is_wide(&self, axis: usize, tolerance: f64) -> bool {
+        let v_count = self.v_knots.point_count();
+        let start = |i: usize| if axis == 0 { i % v_count } else { i - i % v_count };
+        (0..self.points.len()).any(|i| self.points[i].separation(self.points[start(i)]) > 16.0 * tolerance)
     }
 
     /// Lowest and highest u and v.

@@ -1,5 +1,7 @@
 //! Knot vectors: checked once, so that every algorithm after may rely on them.
 
+use crate::numeric::bernstein::MAX_PRODUCT_DEGREE;
+
 /// A degree and its non-decreasing, clamped knots.
 ///
 /// Invariants: `1 <= degree <= MAX_DEGREE`; knots are finite and non-decreasing; the first and the last `degree + 1`
@@ -41,6 +43,8 @@ pub enum KnotError {
     #[error("control point {0} is not finite or its weight is not positive")]
     Point(usize),
 }
+
+const _: () = assert!(MAX_PRODUCT_DEGREE == 3 * KnotVector::MAX_DEGREE);
 
 /// Room for the basis functions of every degree.
 pub(super) const MANY: usize = KnotVector::MAX_DEGREE + 1;

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 pub type Coefficients = SmallVec<[f64; 16]>;
 
 /// Of products at most: those of three curves of the highest degree that files and kernels go to.
-pub const MAX_DEGREE: usize = 3 * 25;
+pub const MAX_PRODUCT_DEGREE: usize = 3 * 25;
 
 /// The value at `t`.
 pub fn eval(coefficients: &[f64], t: f64) -> f64 {
@@ -67,7 +67,7 @@ pub fn elevate(coefficients: &[f64], by: usize) -> Coefficients {
 ///
 /// # Panics
 ///
-/// Above [`MAX_DEGREE`].
+/// Above [`MAX_PRODUCT_DEGREE`].
 pub fn product(a: &[f64], b: &[f64]) -> Coefficients {
     if a.is_empty() || b.is_empty() {
         return Coefficients::new();
@@ -81,15 +81,15 @@ pub fn product(a: &[f64], b: &[f64]) -> Coefficients {
     (0..=m + n).map(at).collect()
 }
 
-/// Row n of Pascal's triangle, n up to [`MAX_DEGREE`]; exact up to n = 56.
+/// Row n of Pascal's triangle, n up to [`MAX_PRODUCT_DEGREE`]; exact up to n = 56.
 fn binomials(n: usize) -> &'static [f64] {
     &BINOMIALS[n][..=n]
 }
 
-static BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
-    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+static BINOMIALS: [[f64; MAX_PRODUCT_DEGREE + 1]; MAX_PRODUCT_DEGREE + 1] = {
+    let mut rows = [[0.0; MAX_PRODUCT_DEGREE + 1]; MAX_PRODUCT_DEGREE + 1];
     let mut n = 0;
-    while n <= MAX_DEGREE {
+    while n <= MAX_PRODUCT_DEGREE {
         rows[n][0] = 1.0;
         let mut k = 0;
         while k < n {

@@ -170,7 +170,7 @@ impl Reader<'_> {
         let samples = pieces.iter().flat_map(|p| (0..=4).map(|i| p.at(f64::from(i) / 4.0)));
         let size = Aabb::around(samples).diagonal();
         pieces.retain(|piece| piece.reach() > NO_LENGTH * size);
-        turn(&mut pieces, MEETING * size);
+        turn(&mut pieces, size);
         let gap = |i: usize| {
             let next = &pieces[(i + 1) % pieces.len()];
             pieces[i].at(1.0).distance(next.at(0.0))

@@ -94,7 +94,7 @@ impl Reader<'_> {
         let repairs = self.pieces(entity.id, depth, &mut pieces)?;
         let size = pieces.iter().map(Piece::reach).fold(0.0, f64::max);
         pieces.retain(|piece| piece.reach() > 0.0);
-        turn(&mut pieces, MEETING * size);
+        turn(&mut pieces, size);
         if pieces.windows(2).any(|pair| pair[0].at(1.0).distance(pair[1].at(0.0)) > MEETING * size) {
             return Err(problem(entity, "the segments do not meet"));
         }
@@ -104,9 +104,13 @@ impl Reader<'_> {
     }
 }
 
-/// Turns pieces round that start where they should end; senses in files are often wrong. What ends as near as `meeting` stays as it is: the two ends of a ring, and
-/// two pieces with both ends in common, are told apart by nothing but the file.
-pub fn turn(pieces: &mut [Piece], meeting: f64) {
+/// Ends that are as near to a point as each other, but for this share of the curve's size, are told apart by nothing but the file: those of a ring, and of two
+/// pieces with both ends in common.
+const UNDECIDED: f64 = 1e-7;
+
+/// Turns pieces of a curve of some size round that start where they should end; senses in files are often wrong.
+pub fn turn(pieces: &mut [Piece], size: f64) {
+    let undecided = UNDECIDED * size;
     if let [first, second, ..] = pieces {
         let near = |s: f64| {
             [0.0, 1.0]
@@ -114,13 +118,13 @@ pub fn turn(pieces: &mut [Piece], meeting: f64) {
                 .into_iter()
                 .fold(f64::INFINITY, f64::min)
         };
-        if near(0.0) + meeting < near(1.0) && pieces.len() > 2 {
+        if near(0.0) + undecided < near(1.0) && pieces.len() > 2 {
             pieces[0].range.reverse();
         }
     }
     for i in 1..pieces.len() {
         let tail = pieces[i - 1].at(1.0);
-        if pieces[i].at(1.0).distance(tail) + meeting < pieces[i].at(0.0).distance(tail) {
+        if pieces[i].at(1.0).distance(tail) + undecided < pieces[i].at(0.0).distance(tail) {
             pieces[i].range.reverse();
         }
     }
@@ -145,14 +149,15 @@ mod tests {
             let range = ring.domain();
             let ring = Piece { curve: Curve::Bspline(ring), range, entity: 2 };
             let mut pieces = vec![line(a, b + DVec3::X * off), line(b, a + DVec3::X * off), ring];
-            turn(&mut pieces, 1e-6);
+            turn(&mut pieces, 10.0);
             assert_eq!(pieces.iter().map(|p| p.range).collect::<Vec<_>>(), [[0.0, 1.0], [0.0, 1.0], range]);
         }
     }
 
     #[test]
     fn pieces_that_meet_one_way_are_turned_to_it() {
-        let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+        // The second piece is much shorter than pieces may be apart.
+        let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 0.5 * MEETING, 0.0)];
         for flips in 0..8 {
             let sides = [[a, b], [b, c], [c, a]];
             let mut pieces: Vec<Piece> = (0..3)
@@ -164,7 +169,7 @@ mod tests {
                     }
                 })
                 .collect();
-            turn(&mut pieces, 1e-6);
+            turn(&mut pieces, 1.0);
             let gap = |i: usize| pieces[i].at(1.0).distance(pieces[(i + 1) % 3].at(0.0));
             assert!((0..3).all(|i| gap(i) < 1e-12), "{flips}");
         }

@@ -58,7 +58,7 @@ pub(super) fn align_constants(outlines: &mut [Outline], target: &Target, axis: u
     }
 }
 
-/// Whether two neighbours, in order, are one value. Between the two ends of a domain only an image can say so.
+/// Whether two neighbours, in order, are one value. Two ends of a domain are not, however thin it is.
 fn are_together(low: &Entry, high: &Entry) -> bool {
     let width = low.width.min(high.width);
     width.is_finite() && high.value - low.value <= 2.0 * width

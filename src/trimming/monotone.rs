@@ -17,6 +17,10 @@ const MAX_DEPTH: u32 = 40;
 /// `curve` cut at its u- and v-extrema; the pieces are monotone in both and share end points bit for bit.
 ///
 /// Pieces of curves with positive weights have end weights of 1. A curve that is not finite comes back as it is.
+///
+/// # Panics
+///
+/// For rational curves above degree 38; those of files and fits go to 25.
 pub fn split_monotone(curve: &Bezier<Homogeneous2>) -> Vec<Bezier<Homogeneous2>> {
     let Some(mut curve) = (curve.points.len() >= 2).then(|| with_unit_ends(curve.clone())).flatten() else {
         return vec![curve.clone()];

@@ -224,6 +224,21 @@ fn knots_repeated_too_often_are_reduced_where_the_pieces_meet() {
     assert_eq!(BsplineCurve::new(2, knots, points.to_vec()).err(), Some(KnotError::Discontinuous(3)));
 }
 
+/// A roof of three sides over x, `gap` open where it ends, and along y as wide as `width`.
+fn roof(gap: f64, width: f64) -> BsplineSurface {
+    let corners = [DVec3::ZERO, DVec3::new(4.0, 0.0, 0.0), DVec3::new(2.0, 0.0, 3.0), DVec3::X * gap];
+    let rows = corners.iter().flat_map(|&p| [p, p + DVec3::Y * width]).map(|p| p.extend(1.0));
+    let knots = [vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0], vec![0.0, 0.0, 1.0, 1.0]];
+    BsplineSurface::new([1, 1], knots, rows.collect()).expect("valid knots")
+}
+
+#[test]
+fn what_all_but_closes_is_closed_and_a_thin_strip_is_not() {
+    assert_eq!(roof(1e-7, 1.0).closed, [true, false]);
+    assert_eq!(roof(1e-6, 1.0).closed, [false, false]);
+    assert_eq!(roof(0.0, 1e-7).closed, [true, false]);
+}
+
 #[test]
 fn closed_sides_are_found() {
     let at =

@@ -62,7 +62,7 @@ impl<T: Real> Span<T> {
     }
 }
 
-/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier; nothing, perhaps, where none is within the span.
+/// Where the line `origin + t · direction`, in the carrier's frame, meets the carrier; what is not within the span may be left out.
 #[inline]
 pub fn carrier_roots<T: Real>(
     kind: u32,

@@ -8,6 +8,7 @@
 
 use super::analytic::{Span, carrier_roots};
 use super::bernstein::widened_net_jet;
+use super::footprint::LONGEST;
 use super::net::point_and_tangents;
 use super::ray_space::{
     Distance, GridStep, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
@@ -22,6 +23,9 @@ const STEPS: usize = 2;
 
 /// How far, of the net's parameters, a root may be from the hit.
 const FARTHEST: f64 = 1.0 / 256.0;
+
+/// How far along the ray, in slacks of the face: as long as the longest footprint. What is farther is another root.
+const FARTHEST_ALONG: f64 = LONGEST;
 
 /// Whether f32 may round more on the way to a hit than some 10⁻⁷ of the primitive: it is shallow, or in a part that is turned, which rounds at the part's scale.
 /// Beside a hit that grazes its surface, which is not certain, there may be another root, that of another hit: it stays as it is.
@@ -44,6 +48,11 @@ pub fn polish(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: &RawHit<f32>) -> Opti
     } else {
         polish_on_net(scene, &part_ray, hit, step)
     }?;
+    let slack = f64::from(scene.faces[hit.face as usize].slack);
+    let moved = along.minus(wide_distance(hit.distance)).abs() * part_ray.direction.length();
+    if !(moved <= FARTHEST_ALONG * slack) {
+        return None;
+    }
     let anchor = hit.distance.anchor;
     let offset = along.beyond(anchor.into()) as f32;
     Some(RawHit { distance: Distance { anchor, offset }, uv: uv.map(|x| x as f32), ..*hit })
@@ -93,7 +102,7 @@ fn polish_on_net(
         uv = [uv[0] + along.cross(s_v).dot(n) * per_square, uv[1] + s_u.cross(along).dot(n) * per_square];
         t += dt;
     }
-    let is_near = (0..2).all(|k| (uv[k] - start[k]).abs() <= FARTHEST) && t.is_finite();
+    let is_near = (0..2).all(|k| (uv[k] - start[k]).abs() <= FARTHEST);
     is_near.then_some((Distance { anchor: ray.anchor, offset: t }, uv))
 }
 

@@ -15,7 +15,8 @@ use rayon::prelude::*;
 /// Hits kept per ray: more than any model has, little enough to bound memory.
 pub const MAX_HITS: usize = 1 << 16;
 
-/// All hits of each ray, sorted by t; or only the first of each, which is the first of all. In f32 where the scene has no f64 arrays.
+/// All hits of each ray, sorted by t; or only the first of each, which is the first of all (in f32 of those that are as far but for roundings either one). In f32
+/// where the scene has no f64 arrays.
 pub fn probe(scene: &Scene<'_>, rays: &[Ray], precision: Precision, first_only: bool) -> Vec<Vec<Hit>> {
     probe_with(scene, rays, precision, first_only, Exactness::default())
 }

@@ -2,7 +2,7 @@
 //!
 //! Ferrari's closed form loses half of f32's digits near tangents. Instead the line is cut at the zeros of the quartic's derivatives, found
 //! from the second derivative upwards; in each piece the quartic is monotone and has one root or none, which bracketed Newton steps find.
-//! All real roots are found, in order. The quartic itself is evaluated as the product of two differences that do not cancel,
+//! All real roots are found, in order, or those that may lie in a span. The quartic itself is evaluated as the product of two differences that do not cancel,
 //! `((ρ − R)² + z² − r²) · ((ρ + R)² + z² − r²)` with ρ the distance from the axis; the coefficients serve the derivatives only.
 
 use super::analytic::{Roots, Span};
@@ -97,6 +97,7 @@ fn is_far_from_zero<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
     let second = first + slope(q, begin) * quarter;
     let fourth = last - slope(q, end) * quarter;
     let third = curvature(q, begin) * width * width * number(1.0 / 12.0) + second * number(2.0) - first;
+    // Coordinates are at most 1, the polynomial's coefficients some ten, and the five are sums of a dozen terms: roundings are below 200 ε.
     let margin = number::<T>(512.0) * T::EPSILON;
     let least = first.min(second).min(third).min(fourth).min(last);
     let greatest = first.max(second).max(third).max(fourth).max(last);

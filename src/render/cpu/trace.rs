@@ -243,7 +243,7 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             let cover = cover(scene, record, face.period, uv, margin, &footprint, sides, self.tally);
             if cover != Cover::Outside {
                 let certainty = Certainty::of(cover, footprint.is_grazing);
-                let (face, net, is_shallow) = (index, NO_NET, is_shallow(&footprint));
+                let (face, net, is_shallow) = (index, NO_NET, is_shallow(footprint.cosine));
                 self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
             }
         }
@@ -271,7 +271,8 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             if cover != Cover::Outside {
                 let found = Certainty::of(cover, root.footprint.is_grazing);
                 let certainty = if roots.is_cut { Certainty::Border } else { found };
-                let (face, net, uv, is_shallow) = (net.face, leaf.net, root.uv, is_shallow(&root.footprint));
+                let (face, net, uv, is_shallow) =
+                    (net.face, leaf.net, root.uv, is_shallow(root.footprint.cosine));
                 self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
             }
         }
@@ -290,8 +291,9 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
     }
 }
 
-fn is_shallow<T: Real>(footprint: &Footprint<T>) -> bool {
-    footprint.cosine.abs() < number(SHALLOW)
+/// Whether that is so at this cosine of the angle between ray and normal.
+pub fn is_shallow<T: Real>(cosine: T) -> bool {
+    cosine.abs() < number(SHALLOW)
 }
 
 fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {

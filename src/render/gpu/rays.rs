@@ -7,10 +7,10 @@
 use super::kernels::{INCOMPLETE, MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
 use super::{Entry, Gpu, GpuError, GpuScene};
 use crate::render::cpu::Kernel;
-use crate::render::cpu::hit::finish_hit;
+use crate::render::cpu::hit::{finish_hit, hit_normal};
 use crate::render::cpu::probe::{consistent_hits, settled};
 use crate::render::cpu::ray_space::{Distance, PreparedRay, prepare};
-use crate::render::cpu::trace::{Certainty, RawHit};
+use crate::render::cpu::trace::{Certainty, RawHit, is_shallow};
 use crate::render::cpu::{self, NO_NET};
 use crate::render::{Exactness, Hit, Ray};
 use crate::scene::Scene;
@@ -219,7 +219,11 @@ impl Gpu {
         }
         let of_ray = |(ray, raw): (Pending, Vec<RawHit<f32>>)| {
             let (scene, prepared) = (&scene.scene, &ray.prepared);
-            let raw: Vec<_> = raw.into_iter().map(|hit| f32::polished(scene, &prepared.ray, hit)).collect();
+            let polished = |mut hit: RawHit<f32>| {
+                hit.is_shallow = is_shallow(hit_normal(scene, &hit).dot(prepared.ray.direction));
+                f32::polished(scene, &prepared.ray, hit)
+            };
+            let raw: Vec<_> = raw.into_iter().map(polished).collect();
             let hits = match wanted {
                 Wanted { first_only: true, .. } => raw,
                 Wanted { alone: true, .. } => consistent_hits(scene, prepared, raw),
@@ -322,7 +326,7 @@ fn raw_hit(hit: &ProbeHit, scene: &Scene<'_>) -> Result<RawHit<f32>, GpuError> {
         net: hit.net,
         uv: hit.uv,
         certainty: Certainty::from_word(hit.certainty),
-        // The device does not say.
-        is_shallow: true,
+        // The device does not say; see where it is asked.
+        is_shallow: false,
     })
 }
