@@ -2,32 +2,17 @@
 //!
 //! The GPU's share is in tests/equivalence.
 
-use std::path::{Path, PathBuf};
-use trimray::bake::{BakeOptions, bake};
+mod baked;
+
+use baked::{baked, fixtures};
 use trimray::bench::{aimed, count_aimed_leaks, count_uniform_leaks, edge_points, is_closed};
 use trimray::brep::Model;
-use trimray::import::import;
 use trimray::render::Ray;
 use trimray::render::cpu::{Precision, probe};
 use trimray::scene::SceneBuffers;
 
 /// Rays of each kind, fixture and precision.
 const RAYS: u64 = 20_000;
-
-fn fixtures() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    let entries = std::fs::read_dir(folder).expect("fixtures can be listed");
-    let models = entries.map(|entry| entry.expect("an entry").path().join("model.step"));
-    let mut models: Vec<PathBuf> = models.filter(|path| path.exists()).collect();
-    models.sort();
-    models
-}
-
-fn baked(path: &Path) -> (Model, SceneBuffers) {
-    let model = import(path).expect("a fixture");
-    let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
-    (model, buffers)
-}
 
 #[test]
 fn closed_fixtures_do_not_leak() {

@@ -1,14 +1,13 @@
 //! The last digits of a file are no information: a model whose points (not its directions and radii) are off by some roundings is the same model, with every face,
 //! and rays meet it where they met it. What is decided by equality of coordinates, or by a sign near 0, shows here.
 
-use std::path::{Path, PathBuf};
-use trimray::bake::{BakeOptions, bake};
+mod baked;
+
+use baked::{baked, fixtures};
 use trimray::bench::chord;
 use trimray::brep::Model;
-use trimray::import::import;
 use trimray::render::cpu::{Precision, probe};
 use trimray::render::{Hit, Ray};
-use trimray::scene::SceneBuffers;
 
 /// Millimetres: thousands of roundings of f64, and nothing to a tolerance of any kernel.
 const NOISE: f64 = 1e-10;
@@ -18,15 +17,6 @@ const RAYS: u64 = 400;
 
 /// Hits may move by this share of the model's size: the noise, over the cosine of a grazing ray.
 const TOLERANCE: f64 = 1e-8;
-
-fn fixtures() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    let entries = std::fs::read_dir(folder).expect("fixtures can be listed");
-    let models = entries.map(|entry| entry.expect("an entry").path().join("model.step"));
-    let mut models: Vec<PathBuf> = models.filter(|path| path.exists()).collect();
-    models.sort();
-    models
-}
 
 /// Numbers in −1..1.
 struct Random(u64);
@@ -56,12 +46,6 @@ fn shaken(text: &str, random: &mut Random) -> (String, usize) {
         out += &format!("CARTESIAN_POINT({name}({}){rest}", coordinates.join(","));
     }
     (out, moved)
-}
-
-fn baked(path: &Path) -> (Model, SceneBuffers) {
-    let model = import(path).expect("a STEP file");
-    let buffers = bake(&model, &BakeOptions { keep_f64: true, ..BakeOptions::default() }, &|_, _| {});
-    (model, buffers)
 }
 
 #[test]

@@ -75,23 +75,21 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
 
 /// Whether the quartic has another sign, or nearly, somewhere between two places than at the first.
 fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
-    let sign = value(q, begin) > T::ZERO;
-    let changes = |t: T| (value(q, t) > T::ZERO) != sign;
-    if changes(end) {
+    let values = [value(q, begin), value(q, end)];
+    let is_other = |value: T| (value > T::ZERO) != (values[0] > T::ZERO);
+    if is_other(values[1]) {
         return true;
     }
-    if is_far_from_zero(q, begin, end) {
+    if is_far_from_zero(q, [begin, end], values) {
         return false;
     }
     let cuts = critical_points(q, begin, end);
-    cuts.t[..cuts.count].iter().any(|&t| changes(t) || is_touching(q, t))
+    cuts.t[..cuts.count].iter().any(|&t| is_other(value(q, t)) || is_touching(q, t))
 }
 
-/// Whether the quartic's Bernstein coefficients between two places say that it has no zero there: all are on one side of 0, by more than they are rounded.
-fn is_far_from_zero<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
+/// Whether the quartic's Bernstein coefficients between two places, where it has the values `first` and `last`, say that it has no zero there: all are on one side of 0, by more than they are rounded.
+fn is_far_from_zero<T: Real>(q: &Quartic<T>, [begin, end]: [T; 2], [first, last]: [T; 2]) -> bool {
     let width = end - begin;
-    let first = value(q, begin);
-    let last = value(q, end);
     // F is of degree four, so that its value and two derivatives at the one end and its value and slope at the other determine it.
     let quarter = width * number(0.25);
     let second = first + slope(q, begin) * quarter;
