@@ -21,6 +21,7 @@ pub(super) enum BenchCommand {
     Accuracy(BenchAccuracy),
     Work(BenchWork),
     Leaks(BenchLeaks),
+    Rays(BenchRays),
     Stress(BenchStress),
     Trim(BenchTrim),
 }
@@ -183,6 +184,30 @@ pub(super) struct BenchLeaks {
     /// Print so many odd rays of each kind, as lines that `probe --rays` reads.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) show: usize,
+    /// One JSON object a line.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// How fast the first hits of given rays are found on the CPU, as pictures find them: in f32, without shading.
+///
+/// The time includes that from the ray's f64 numbers to the distance along it, on all threads (`--threads`), and is the least of all runs, beside their median.
+/// `tools/speed/peers.py` asks another tracer the same rays.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  trimray bench rays part.step --rays rays.txt
+  trimray bench rays part.step --rays rays.txt --threads 1 --json")]
+pub(super) struct BenchRays {
+    /// STEP or IGES files, or `.trimray` files.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
+    /// A file with a ray on each line, `ox oy oz dx dy dz`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) rays: PathBuf,
+    /// How often to trace them.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) repeat: u16,
     /// One JSON object a line.
     #[arg(long)]
     pub(super) json: bool,

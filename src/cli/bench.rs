@@ -2,7 +2,7 @@
 
 use super::args::{General, PrecisionChoice};
 use super::args_bench::{Bench, BenchCommand};
-use super::{bench_accuracy, bench_leaks, bench_stages, bench_stress, bench_trim, bench_work};
+use super::{bench_accuracy, bench_leaks, bench_rays, bench_stages, bench_stress, bench_trim, bench_work};
 use crate::render::Ray;
 use crate::render::cpu::Precision;
 
@@ -12,6 +12,7 @@ pub(super) fn run(command: &Bench, general: &General) -> anyhow::Result<()> {
         BenchCommand::Accuracy(command) => bench_accuracy::run(command, general),
         BenchCommand::Work(command) => bench_work::run(command),
         BenchCommand::Leaks(command) => bench_leaks::run(command),
+        BenchCommand::Rays(command) => bench_rays::run(command, general),
         BenchCommand::Stress(command) => bench_stress::run(command),
         BenchCommand::Trim(command) => bench_trim::run(command, general),
     }

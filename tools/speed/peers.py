@@ -5,16 +5,16 @@
     peers.py --bin target/release/trimray [--share 1e-3] [--json OUT] FILE|FOLDER...
 
 For each file and each of the three: seconds from the file to a picture of 1024 by 1024 pixels, a process of its own from start to end, and its peak of memory;
-millions of first hits a second on one thread; and how far hits are off, 99.9 % of them, in diagonals of the model, against `trimray probe --precision f64`.
+millions of first hits a second on one thread, with the share of the rays that hit; and how far hits are off, 99.9 % of them, in diagonals of the model, against `trimray probe --precision f64`.
 
 f3d draws triangles, and has no rays to count. Open CASCADE meshes with a chord error of `--share` of the diagonal, and Embree traces the mesh through embreex,
-in float32 and without the anti-aliasing and ambient occlusion that trimray's picture has; its rays are those of that picture. trimray's rays are the primary
-ones of `bench stages --frames`, and its error that of f32 on Embree's rays.
+in float32 and without the anti-aliasing and ambient occlusion that trimray's picture has. Both find the first hits of the same rays, those of that picture from
+row to row, in which the model's box just fits (`trimray bench rays`); of several runs the fastest counts.
 """
 
 import argparse
 import json
-import os
+import math
 import subprocess
 import sys
 import tempfile
@@ -26,10 +26,13 @@ from compare_pictures import F3D, files, run
 
 SIDE = 1024
 COMPARED = 20_000
+RUNS = 5
 
 
 def grid(corners):
     """Rays of an orthographic picture from above at an angle, (n, 3) each, and the model's diagonal."""
+    import itertools
+
     import numpy as np
 
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
@@ -37,7 +40,9 @@ def grid(corners):
     forward = np.array([1.0, 1.0, -0.8]) / np.linalg.norm([1.0, 1.0, -0.8])
     right = np.array([1.0, -1.0, 0.0]) / np.sqrt(2)
     up = np.cross(right, forward)
-    steps = ((np.arange(SIDE) + 0.5) / SIDE - 0.5) * diagonal
+    box = np.array(list(itertools.product(*zip(low - (low + high) / 2, high - (low + high) / 2))))
+    widest = 2 * max(np.abs(box @ right).max(), np.abs(box @ up).max())
+    steps = ((np.arange(SIDE) + 0.5) / SIDE - 0.5) * widest
     x, y = np.meshgrid(steps, -steps)
     origins = (low + high) / 2 - forward * diagonal + x[..., None] * right + y[..., None] * up
     return origins.reshape(-1, 3), np.broadcast_to(forward, (SIDE * SIDE, 3)), diagonal
@@ -57,30 +62,34 @@ def embree_picture(path, share, picture, binary):
     mesh_embree.TriangleMesh(scene, corners)
     rays = [np.ascontiguousarray(a, dtype=np.float32) for a in (origins, directions)]
     scene.run(rays[0][:1], rays[1][:1])
-    built = time.perf_counter()
-    hit = scene.run(*rays)
-    traced = time.perf_counter() - built
+    hit, traced = scene.run(*rays), math.inf
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     light = np.where(hit < 0, 1.0, np.abs(normals[hit] @ directions[0]))
     Image.fromarray((light.reshape(SIDE, SIDE) * 255).astype(np.uint8)).save(picture)
     if not binary:
         return
+    for _ in range(RUNS):
+        clock = time.perf_counter()
+        scene.run(*rays, query="DISTANCE")
+        traced = min(traced, time.perf_counter() - clock)
     some = np.linspace(0, SIDE * SIDE - 1, COMPARED).astype(int)
     met = mesh_embree.distances(scene, *rays)[some]
     truth, own = (mesh_embree.first_hits(binary, path, origins[some], directions[some], precision) for precision in ("f64", "f32"))
     off = [mesh_embree.quantile(mesh_embree.errors(found, truth, diagonal), 0.999) for found in (met, own)]
-    print(json.dumps({"triangles": len(corners), "mrays": SIDE * SIDE / traced / 1e6, "errors": off}))
+    own_seconds = trimray_seconds(binary, path, origins, directions)
+    print(json.dumps({"triangles": len(corners), "rays": SIDE * SIDE, "hits": int(np.sum(hit >= 0)), "seconds": [traced, own_seconds], "errors": off}))
 
 
-def trimray_rate(binary, path):
-    """Millions of primary first hits a second on one thread."""
-    command = [binary, "bench", "stages", path, "--frames", "--device", "cpu", "--json"]
-    command += ["--repeat", "3", "--warm-ups", "1", "--resolution", f"{SIDE},{SIDE}", "--rays-per-pixel", "1", "--rays", "1000"]
-    environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
-    out = subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
-    stages = json.loads(out.splitlines()[0])
-    return stages["primary_rays"] / stages["seconds"]["primary"] / 1e6
+def trimray_seconds(binary, path, origins, directions):
+    """Of one thread, for the first hits of the rays."""
+    import numpy as np
+
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as rays:
+        np.savetxt(rays, np.hstack([origins, directions]), fmt="%.17g")
+        rays.flush()
+        command = [binary, "bench", "rays", path, "--rays", rays.name, "--threads", "1", "--repeat", str(RUNS), "--json"]
+        return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)["seconds"]
 
 
 def compare(arguments, path, folder):
@@ -99,8 +108,10 @@ def compare(arguments, path, folder):
             return f"{name}: {result}"
         row[name] = {"seconds": result[0], "megabytes": result[1]}
     told = json.loads(subprocess.run([*embree, "--bin", arguments.bin], capture_output=True, text=True, check=True).stdout.splitlines()[-1])
-    row["embree"].update(triangles=told["triangles"], mrays=told["mrays"], error=told["errors"][0])
-    row["trimray"].update(mrays=trimray_rate(arguments.bin, str(path)), error=told["errors"][1])
+    rates = [told["rays"] / seconds / 1e6 for seconds in told["seconds"]]
+    row["embree"].update(triangles=told["triangles"], mrays=rates[0], error=told["errors"][0])
+    row["trimray"].update(mrays=rates[1], error=told["errors"][1])
+    row["hits"] = told["hits"] / told["rays"]
     return row
 
 
@@ -120,7 +131,7 @@ def main() -> int:
         parser.error("--bin says which trimray")
     rows = []
     print(f"{'f3d':>14}{'Open CASCADE + Embree':>42}{'trimray':>36}")
-    print(f"{'s':>8}{'MB':>6}" + 2 * f"{'s':>8}{'MB':>6}{'Mrays/s':>9}{'error':>9}" + f"{'triangles':>11}")
+    print(f"{'s':>8}{'MB':>6}" + 2 * f"{'s':>8}{'MB':>6}{'Mrays/s':>9}{'error':>9}" + f"{'triangles':>11}{'hit':>6}")
     with tempfile.TemporaryDirectory() as folder:
         for path in files(arguments.paths):
             row = compare(arguments, path, folder)
@@ -132,7 +143,7 @@ def main() -> int:
             for peer in ("embree", "trimray"):
                 one = row[peer]
                 numbers += f"{one['seconds']:8.2f}{one['megabytes']:6.0f}{one['mrays']:9.2f}{one['error']:9.1e}"
-            print(f"{numbers}{row['embree']['triangles']:11}  {path.name}", flush=True)
+            print(f"{numbers}{row['embree']['triangles']:11}{row['hits']:6.2f}  {path.name}", flush=True)
     if arguments.json:
         Path(arguments.json).write_text("".join(json.dumps(row) + "\n" for row in rows))
     return 0

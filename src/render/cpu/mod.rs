@@ -64,7 +64,7 @@ pub use self::camera::{pixel_key, pixel_ray, sample_offset};
 pub use self::choice::{Choice, choices};
 pub use self::heat::render_trim_tests;
 pub use self::paths::{render_paths, take_path_samples};
-pub use self::probe::{probe, probe_alone, probe_with};
+pub use self::probe::{first_distances, probe, probe_alone, probe_with};
 pub use self::queries::{TrimQuery, Untrimmed, answer, answers_counted, count_inside, trim_queries};
 pub use self::render::render;
 #[cfg(feature = "gpu")]

@@ -79,6 +79,16 @@ pub fn probe_with(
     of_each(scene, rays, precision, wide, |ray| probe_ray::<f32>(scene, search, ray, first_only))
 }
 
+/// How far each ray goes to its first hit, as pictures take it: in f32, and whatever the bodies can have. Infinite where it meets nothing.
+pub fn first_distances(scene: &Scene<'_>, rays: &[Ray]) -> Vec<f32> {
+    let distance = |ray: &Ray| {
+        let prepared = prepare::<f32>(ray, scene.header)?;
+        let hit = first_hit(scene, Exactness::default(), &prepared.ray, prepared.near)?;
+        Some((prepared.start + hit.distance.to_f64()) as f32)
+    };
+    rays.par_iter().map(|ray| distance(ray).unwrap_or(f32::INFINITY)).collect()
+}
+
 /// The hits of one ray.
 fn probe_ray<T: Kernel>(scene: &Scene<'_>, search: NetSearch, ray: &Ray, first_only: bool) -> Vec<Hit> {
     let Some(prepared) = prepare::<T>(ray, scene.header) else {
