@@ -6,7 +6,7 @@
 use super::chord;
 use crate::bake::{BakeOptions, bake_timed, replicate_side_by_side, trim};
 use crate::brep::ReplicateError;
-use crate::cache::{CacheError, CacheFile, Provenance, write};
+use crate::cache::{CacheError, CacheFile, Key, Provenance, Store, write};
 use crate::import::{ImportError, Source};
 use crate::render::cpu::{Precision, probe};
 use crate::scene::SceneBuffers;
@@ -48,6 +48,8 @@ pub enum Stage {
     Open,
     /// The first ray traced through the mapped file, after opening it anew.
     FirstRay,
+    /// The same of a scene that was kept, and is not validated again.
+    KeptFirstRay,
     /// The scene to the device.
     Upload,
     /// A picture of one pixel: on a GPU its kernels are compiled for the scene.
@@ -68,7 +70,7 @@ pub enum Stage {
 
 impl Stage {
     /// All, in order.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Read,
         Self::Scan,
         Self::Decode,
@@ -84,6 +86,7 @@ impl Stage {
         Self::Write,
         Self::Open,
         Self::FirstRay,
+        Self::KeptFirstRay,
         Self::Upload,
         Self::Compile,
         Self::FirstFrame,
@@ -112,6 +115,7 @@ impl Stage {
             Self::Write => "write",
             Self::Open => "open",
             Self::FirstRay => "first_ray",
+            Self::KeptFirstRay => "kept_first_ray",
             Self::Upload => "upload",
             Self::Compile => "compile",
             Self::FirstFrame => "first_frame",
@@ -135,6 +139,7 @@ impl Stage {
             Self::Bvhs => "  BVHs",
             Self::Total => "file to baked scene",
             Self::FirstRay => "open, first ray",
+            Self::KeptFirstRay => "find kept, first ray",
             Self::FirstFrame => "first frame",
             Self::Frame => "steady frame",
             Self::Primary => "primary rays",
@@ -269,7 +274,7 @@ fn measure_once(
     })
 }
 
-/// Writes the scene, opens it, and opens it once more and traces a ray; the file's size.
+/// Writes the scene, opens it, and opens it once more and traces a ray, as a file and as a scene that was kept; the file's size.
 fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -> Result<u64, CacheError> {
     let mut clock = Clock(Instant::now());
     write(scratch, &scene.scene(), &Provenance::default())?;
@@ -277,10 +282,21 @@ fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -
     drop(CacheFile::open(scratch)?);
     times.add(Stage::Open, clock.lap());
     let file = CacheFile::open(scratch)?;
+    trace_one(&file);
+    times.add(Stage::FirstRay, clock.lap());
+    let (store, key) = (Store::new(scratch.with_extension("kept")), Key::new([0; 32], ""));
+    store.keep(&key, &scene.scene(), &Provenance::default())?;
+    clock.lap();
+    if let Some(kept) = store.find(&key) {
+        trace_one(&kept);
+        times.add(Stage::KeptFirstRay, clock.lap());
+    }
+    Ok(file.bytes())
+}
+
+fn trace_one(file: &CacheFile) {
     let ray = chord(&file.scene(), 0);
     std::hint::black_box(probe(&file.scene(), &[ray], Precision::F32, true));
-    times.add(Stage::FirstRay, clock.lap());
-    Ok(file.bytes())
 }
 
 /// The exponent e of `time ≈ c · size^e` by least squares of the logarithms; nothing from less than two sizes.

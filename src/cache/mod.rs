@@ -6,6 +6,7 @@
 
 mod format;
 mod open;
+mod sound;
 mod store;
 #[cfg(test)]
 mod tests;

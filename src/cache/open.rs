@@ -3,6 +3,7 @@
 use super::format::{
     ENDIAN_MARK, FileHeader, MAGIC, PAGE, SECTION_KINDS, Section, SectionEntry, VERSION, table_check,
 };
+use super::sound::SoundFiles;
 use super::{CacheError, Provenance};
 use crate::scene::{Header, Metadata, Scene, validate};
 use bytemuck::Pod;
@@ -27,13 +28,31 @@ type Flaw = (u64, String);
 
 impl CacheFile {
     /// Maps and validates.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be read, or is not a whole and sound file of this version.
     pub fn open(path: &Path) -> Result<Self, CacheError> {
+        Self::open_unless_sound(path, None)
+    }
+
+    /// Maps, and validates but for what was found sound before.
+    pub(super) fn open_unless_sound(path: &Path, sound: Option<&SoundFiles>) -> Result<Self, CacheError> {
         let failed = |source| CacheError::Io { path: path.to_owned(), source };
+        let invalid = |(at, reason)| CacheError::Invalid { path: path.to_owned(), at, reason };
         let file = std::fs::File::open(path).map_err(failed)?;
+        let before = file.metadata().map_err(failed)?;
         // SAFETY: the map is read-only. Writers of this crate rename a new file into place and never change one that may be mapped; a
         // foreign writer that does can make reads fail, as with any map, but all indices were copied or checked on the same bytes.
         let map = unsafe { Mmap::map(&file) }.map_err(failed)?;
-        Self::from_map(map).map_err(|(at, reason)| CacheError::Invalid { path: path.to_owned(), at, reason })
+        let opened = Self::from_map(map).map_err(invalid)?;
+        if !sound.is_some_and(|sound| sound.has(&before)) {
+            opened.check().map_err(invalid)?;
+            if let (Some(sound), Ok(now)) = (sound, file.metadata()) {
+                sound.add(&before, &now);
+            }
+        }
+        Ok(opened)
     }
 
     /// Validates the bytes of a cache file that is no file, on a copy of them.
@@ -45,9 +64,11 @@ impl CacheFile {
             map.make_read_only()
         };
         let map = copy().map_err(|source| CacheError::Io { path: path(), source })?;
-        Self::from_map(map).map_err(|(at, reason)| CacheError::Invalid { path: path(), at, reason })
+        let opened = Self::from_map(map).and_then(|opened| opened.check().map(|()| opened));
+        opened.map_err(|(at, reason)| CacheError::Invalid { path: path(), at, reason })
     }
 
+    /// Checks the table alone.
     fn from_map(map: Mmap) -> Result<Self, Flaw> {
         let (file_header, sections) = read_table(&map)?;
         let header_bytes = &map[sections[Section::Header as usize].clone()];
@@ -62,9 +83,11 @@ impl CacheFile {
             distortion: file_header.distortion,
             trim_tolerance: file_header.trim_tolerance,
         };
-        let file = Self { map, header, metadata, provenance, sections };
-        validate(&file.scene()).map_err(|flaw| (0, format!("its scene is unsound: {flaw}")))?;
-        Ok(file)
+        Ok(Self { map, header, metadata, provenance, sections })
+    }
+
+    fn check(&self) -> Result<(), Flaw> {
+        validate(&self.scene()).map_err(|flaw| (0, format!("its scene is unsound: {flaw}")))
     }
 
     /// The file's size.

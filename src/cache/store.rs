@@ -4,14 +4,21 @@
 //! and one that is damaged is as good as none. The folder is kept below a size; what was not used for longest goes first. Whatever fails here
 //! costs time only: callers bake as if there were no folder.
 
+use super::sound::SoundFiles;
 use super::{CacheError, CacheFile, Provenance, write};
 use crate::scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 /// The folder's greatest size, bytes.
 const MOST_BYTES: u64 = 4 << 30;
+
+/// The folder's folder of notes on what was found sound.
+const SOUND: &str = "sound";
+
+/// Ages of scenes need not be known better.
+const LEAST_AGE: Duration = Duration::from_secs(3600);
 
 /// What a scene is baked from and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +34,7 @@ impl Key {
 }
 
 /// What tells one build of the program from another: version, size and time of its file. So whoever changes the bake never meets a scene of the old one.
-fn program() -> Vec<u8> {
+pub(super) fn program() -> Vec<u8> {
     let file = std::env::current_exe().and_then(fs::metadata);
     let time = |m: &fs::Metadata| m.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok();
     let built = file.ok().map(|m| (m.len(), time(&m)));
@@ -53,16 +60,33 @@ impl Store {
         Some(Self::new(dirs::cache_dir()?.join("trimray")))
     }
 
+    /// Opens a file anywhere; one that was found sound before, and has not been changed since, is not checked again.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`CacheFile::open`].
+    pub fn open(&self, path: &Path) -> Result<CacheFile, CacheError> {
+        CacheFile::open_unless_sound(path, Some(&self.sound_files()))
+    }
+
+    fn sound_files(&self) -> SoundFiles {
+        SoundFiles::new(self.folder.join(SOUND))
+    }
+
     /// The scene of a key, if it is there and sound.
     pub fn find(&self, key: &Key) -> Option<CacheFile> {
         let path = self.path(key);
-        let file = CacheFile::open(&path).ok()?;
-        // Its age counts from now on; where that cannot be noted it goes a little earlier.
-        let _ = fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+        let file = self.open(&path).ok()?;
+        // Its age counts from now on, not quite, for files that change are checked again; where that cannot be noted it goes a little earlier.
+        let used = fs::metadata(&path).and_then(|metadata| metadata.modified()).ok();
+        if used.and_then(|used| used.elapsed().ok()).is_none_or(|age| age > LEAST_AGE) {
+            let _ =
+                fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+        }
         Some(file)
     }
 
-    /// Keeps a scene; others go where there is no room for it. One larger than the folder may be is not kept.
+    /// Keeps a scene, which has been validated; others go where there is no room for it. One larger than the folder may be is not kept.
     ///
     /// # Errors
     ///
@@ -72,6 +96,9 @@ impl Store {
         fs::create_dir_all(&self.folder)
             .map_err(|source| CacheError::Io { path: self.folder.clone(), source })?;
         write(&path, scene, provenance)?;
+        if let Ok(written) = fs::metadata(&path) {
+            self.sound_files().add_own(&written);
+        }
         self.make_room();
         Ok(())
     }
@@ -115,7 +142,12 @@ fn is_ours(path: &Path) -> bool {
 mod tests {
     use super::super::tests::{buffers, provenance};
     use super::*;
-    use std::time::Duration;
+
+    /// Last changed so long ago.
+    fn date(path: &Path, age: Duration) {
+        let file = fs::File::options().append(true).open(path).expect("there");
+        file.set_modified(SystemTime::now() - age).expect("dated");
+    }
 
     #[test]
     fn what_is_kept_is_found_by_its_own_key_only() {
@@ -136,9 +168,41 @@ mod tests {
         let store = Store::new(folder.path().to_owned());
         let key = Key::new([1; 32], "");
         store.keep(&key, &buffers().scene(), &provenance()).expect("written");
+        assert!(store.find(&key).is_some());
         let path = store.path(&key);
         let bytes = fs::read(&path).expect("there");
         fs::write(&path, &bytes[..bytes.len() / 2]).expect("cut");
+        assert!(store.find(&key).is_none());
+        // As long as before, and with a node that is its own child.
+        let mut changed = bytes.clone();
+        let scene_of = |bytes: &[u8]| CacheFile::from_bytes(bytes).is_ok();
+        let at = (0..changed.len()).rev().find(|&at| {
+            changed[at] ^= 0xff;
+            let is_unsound = !scene_of(&changed);
+            if !is_unsound {
+                changed[at] ^= 0xff;
+            }
+            is_unsound
+        });
+        fs::write(&path, &changed).expect("changed");
+        date(&path, Duration::from_secs(1000));
+        assert!(at.is_some() && store.find(&key).is_none());
+    }
+
+    #[test]
+    fn what_was_found_sound_is_not_checked_again_until_it_changes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::new(folder.path().to_owned());
+        let mut buffers = buffers();
+        buffers.materials[0].opacity = 7.0;
+        let key = Key::new([1; 32], "");
+        // The store takes its word for it, which tells that it does not look.
+        store.keep(&key, &buffers.scene(), &provenance()).expect("written");
+        assert!(CacheFile::open(&store.path(&key)).is_err());
+        if cfg!(unix) {
+            assert!(store.find(&key).is_some());
+        }
+        date(&store.path(&key), Duration::from_secs(1000));
         assert!(store.find(&key).is_none());
     }
 
@@ -150,12 +214,7 @@ mod tests {
         fs::write(folder.path().join("mine.trimray"), "not a hash").expect("written");
         for (age, key) in (1..).zip(&keys[..2]) {
             store.keep(key, &buffers().scene(), &provenance()).expect("written");
-            let time = SystemTime::now() - Duration::from_secs(1000 - age * 100);
-            fs::File::options()
-                .append(true)
-                .open(store.path(key))
-                .and_then(|file| file.set_modified(time))
-                .expect("dated");
+            date(&store.path(key), Duration::from_secs(3600 * (1000 - age * 100)));
         }
         assert!(store.find(&keys[0]).is_some(), "and used");
         let size = fs::metadata(store.path(&keys[0])).expect("there").len();

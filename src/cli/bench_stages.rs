@@ -77,7 +77,9 @@ impl Line {
                 let held = self.held.get(stage.name())?;
                 format!("{:.2} Mrays/s", held.rays as f64 * 1e-6 / seconds)
             }
-            Stage::FirstRay | Stage::Compile | Stage::FirstFrame | Stage::Frame => return None,
+            Stage::FirstRay | Stage::KeptFirstRay | Stage::Compile | Stage::FirstFrame | Stage::Frame => {
+                return None;
+            }
         })
     }
 }

@@ -74,7 +74,10 @@ pub(super) fn is_baked(path: &Path) -> bool {
 pub(super) fn load(path: &Path, purpose: Purpose, general: &General) -> anyhow::Result<Loaded> {
     let loaded = if is_baked(path) {
         let start = Instant::now();
-        let file = CacheFile::open(path)?;
+        let file = match &purpose.kept_scenes {
+            Some(kept) => kept.store.open(path)?,
+            None => CacheFile::open(path)?,
+        };
         log::info!("opened in {:.2} s", start.elapsed().as_secs_f64());
         if purpose.edges && !file.scene().metadata.has_edges {
             let reason = format!(

@@ -1,0 +1,168 @@
+//! Which files were found sound, so that whoever opens one of them again need not read all of it.
+//!
+//! A note is an empty file in a folder of the user's own. Its name is a hash of the device, the inode, the size and the times of the file that it stands for, and of
+//! the program: a file that is changed or replaced has other times, and is checked again. Since clocks have ticks, a file from elsewhere is noted only once it
+//! is older than those.
+//! Nothing in a cache file says that it is sound: others may have written it. Where a file is damaged without a change of its times, indices are still
+//! within bounds or end the program, as everywhere in safe code.
+
+use super::store::program;
+use std::fs::{self, Metadata};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How long a file has to have been as it is before it is noted: longer than file systems' clocks stand still.
+const SETTLED: Duration = Duration::from_secs(2);
+
+/// Notes kept at most.
+const MOST_NOTES: usize = 1024;
+
+/// A folder of notes, which need not exist yet.
+#[derive(Debug, Clone)]
+pub struct SoundFiles {
+    folder: PathBuf,
+}
+
+impl SoundFiles {
+    /// In a folder.
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder }
+    }
+
+    /// Whether the file, as it is now, was found sound.
+    pub fn has(&self, file: &Metadata) -> bool {
+        identity(file).is_some_and(|identity| self.note(&identity).exists())
+    }
+
+    /// Notes that the file is sound, if it is as it was before it was looked at.
+    pub fn add(&self, before: &Metadata, now: &Metadata) {
+        if identity(before) == identity(now) && age(now).is_some_and(|age| age >= SETTLED) {
+            self.add_own(now);
+        }
+    }
+
+    /// Notes that a file is sound which this program has just written. What fails here costs the next one time, and nothing else.
+    pub fn add_own(&self, file: &Metadata) {
+        let Some(identity) = identity(file) else { return };
+        if fs::create_dir_all(&self.folder).is_ok() {
+            self.make_room();
+            let _ = fs::File::create(self.note(&identity));
+        }
+    }
+
+    fn note(&self, identity: &[u8]) -> PathBuf {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(identity).update(&program());
+        self.folder.join(hasher.finalize().to_hex().as_str())
+    }
+
+    /// Removes the oldest half of the notes where there are too many.
+    fn make_room(&self) {
+        let Ok(entries) = fs::read_dir(&self.folder) else { return };
+        let dated = |path: PathBuf| Some((fs::metadata(&path).and_then(|m| m.modified()).ok()?, path));
+        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let mut notes: Vec<_> = paths.filter(|path| is_note(path)).filter_map(dated).collect();
+        if notes.len() >= MOST_NOTES {
+            notes.sort();
+            notes.drain(..MOST_NOTES / 2).for_each(|(_, path)| drop(fs::remove_file(path)));
+        }
+    }
+}
+
+/// Whether a file has a name that only [`SoundFiles::note`] gives.
+fn is_note(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    name.len() == 2 * blake3::OUT_LEN && name.bytes().all(|b| b.is_ascii_hexdigit())
+}
+
+/// What changes with every change of a file; `None` where the system does not tell.
+#[cfg(unix)]
+fn identity(file: &Metadata) -> Option<Vec<u8>> {
+    use std::os::unix::fs::MetadataExt;
+    let times = [file.mtime(), file.mtime_nsec(), file.ctime(), file.ctime_nsec()];
+    let words = [file.dev(), file.ino(), file.size()].into_iter().chain(times.map(|time| time as u64));
+    Some(words.flat_map(u64::to_le_bytes).collect())
+}
+
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> Option<Vec<u8>> {
+    None
+}
+
+/// How long ago the file was last changed, its name, owner and permissions included.
+#[cfg(unix)]
+fn age(file: &Metadata) -> Option<Duration> {
+    use std::os::unix::fs::MetadataExt;
+    use std::time::SystemTime;
+    let since_epoch = Duration::new(file.ctime().try_into().ok()?, file.ctime_nsec().try_into().ok()?);
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH + since_epoch).ok()
+}
+
+#[cfg(not(unix))]
+fn age(_: &Metadata) -> Option<Duration> {
+    None
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::time::SystemTime;
+
+    fn written(path: &Path, text: &str) -> Metadata {
+        fs::write(path, text).expect("written");
+        fs::metadata(path).expect("there")
+    }
+
+    #[test]
+    fn files_are_noted_as_they_are() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let notes = SoundFiles::new(folder.path().join("deep/er"));
+        let path = folder.path().join("a");
+        let first = written(&path, "one");
+        assert!(!notes.has(&first));
+        // As young as a clock's tick.
+        notes.add(&first, &first);
+        assert!(!notes.has(&first));
+        notes.add_own(&first);
+        assert!(notes.has(&first));
+        // Of the same size and with the same time of change, but not of the change of that.
+        fs::File::options()
+            .write(true)
+            .open(&path)
+            .and_then(|f| f.set_modified(SystemTime::UNIX_EPOCH))
+            .expect("dated");
+        let dated = fs::metadata(&path).expect("there");
+        assert!(!notes.has(&dated));
+        let longer = written(&path, "longer");
+        assert!(!notes.has(&longer) && notes.has(&first));
+        // Another file with the same contents.
+        assert!(!notes.has(&written(&folder.path().join("b"), "one")));
+    }
+
+    #[test]
+    fn a_file_that_changes_under_the_eyes_is_not_noted() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let notes = SoundFiles::new(folder.path().to_owned());
+        let path = folder.path().join("a");
+        let before = written(&path, "one");
+        let now = written(&path, "other");
+        notes.add(&before, &now);
+        assert!(!notes.has(&before) && !notes.has(&now));
+    }
+
+    #[test]
+    fn the_oldest_notes_go() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let notes = SoundFiles::new(folder.path().to_owned());
+        fs::create_dir_all(&notes.folder).expect("made");
+        for index in 0..MOST_NOTES {
+            let name = blake3::hash(&index.to_le_bytes()).to_hex();
+            fs::write(notes.folder.join(name.as_str()), "").expect("written");
+        }
+        let stranger = notes.folder.join("mine");
+        let file = written(&stranger, "one");
+        notes.add_own(&file);
+        assert_eq!(fs::read_dir(&notes.folder).expect("there").count(), MOST_NOTES / 2 + 2);
+        assert!(stranger.exists() && notes.has(&file));
+    }
+}
