@@ -61,7 +61,7 @@ fn the_last_digits_change_nothing() {
         let ((model, own), (other_model, other)) = (baked(&path), baked(&other_path));
         let findings = |model: &Model| model.diagnostics.iter().map(|d| d.reason.clone()).collect::<Vec<_>>();
         assert_eq!(findings(&other_model), findings(&model), "{}", path.display());
-        assert_eq!(other.metadata.faces.len(), own.metadata.faces.len(), "{}", path.display());
+        assert_eq!(other.face_infos.len(), own.face_infos.len(), "{}", path.display());
         let (own, other) = (own.scene(), other.scene());
         let rays: Vec<Ray> = (0..RAYS).map(|index| chord(&own, index)).collect();
         let size = own.header.half_size.iter().map(|&x| f64::from(x)).fold(0.0, f64::max);

@@ -91,7 +91,7 @@ pub(super) fn add_face(
         scene.faces_f64.push(baked.face_f64);
     }
     scene.faces.push(record);
-    scene.metadata.faces.push(baked.info);
+    scene.face_infos.push(baked.info);
     Ok(())
 }
 

@@ -6,7 +6,9 @@
 use super::rearrange::{Rearranged, Standing, rearrange, slot_box, world_box};
 use crate::numeric::Aabb;
 use crate::scene::primitive::{Primitive, unpack};
-use crate::scene::{BvhNode, EdgePiece, Face, Finding, InstanceInfo, Metadata, Part, Scene, Severity};
+use crate::scene::{
+    BodyInfo, BvhNode, EdgePiece, Face, Finding, InstanceInfo, Metadata, Part, Scene, Severity,
+};
 use glam::DVec3;
 
 /// The arrays of a scene that change.
@@ -15,6 +17,7 @@ pub struct KeptScene {
     metadata: Metadata,
     rearranged: Rearranged,
     faces: Vec<Face>,
+    body_infos: Vec<BodyInfo>,
     edge_pieces: Vec<EdgePiece>,
 }
 
@@ -24,6 +27,7 @@ impl KeptScene {
         Scene {
             metadata: &self.metadata,
             faces: &self.faces,
+            body_infos: &self.body_infos,
             edge_pieces: &self.edge_pieces,
             ..self.rearranged.of(whole)
         }
@@ -52,13 +56,14 @@ pub fn keep(scene: &Scene<'_>, instances: &[bool], faces: &[bool]) -> Result<Kep
         .collect();
     let rearranged = rearrange(scene, bvh_nodes, &standing)?;
     let metadata = metadata(scene, &kept, faces);
-    let is_closed = |face: &Face| metadata.bodies.get(face.body as usize).is_some_and(|body| body.is_closed);
-    let opened = |face: &Face| match is_closed(face) {
+    let body_infos = bodies(scene, faces);
+    let opened = |face: &Face| match body_infos[face.body as usize].is_closed() {
         true => *face,
         false => Face { flags: face.flags & !Face::CLOSED, ..*face },
     };
     Ok(KeptScene {
         faces: scene.faces.iter().map(opened).collect(),
+        body_infos,
         metadata,
         rearranged,
         edge_pieces: scene.edge_pieces.iter().copied().filter(|piece| bounds_kept(piece, faces)).collect(),
@@ -102,15 +107,19 @@ fn face_of(scene: &Scene<'_>, word: u32) -> usize {
     }
 }
 
+/// Those of the scene; bodies that have lost a face are open.
+fn bodies(scene: &Scene<'_>, faces: &[bool]) -> Vec<BodyInfo> {
+    let mut bodies = scene.body_infos.to_vec();
+    for (face, _) in scene.faces.iter().zip(faces).filter(|(_, stays)| !**stays) {
+        bodies[face.body as usize].is_closed = 0;
+    }
+    bodies
+}
+
 fn metadata(scene: &Scene<'_>, kept: &[usize], faces: &[bool]) -> Metadata {
     let mut metadata = scene.metadata.clone();
     metadata.instances =
         kept.iter().map(|&index| InstanceInfo { path: metadata.instances[index].path.clone() }).collect();
-    for (face, _) in scene.faces.iter().zip(faces).filter(|(_, stays)| !**stays) {
-        if let Some(body) = metadata.bodies.get_mut(face.body as usize) {
-            body.is_closed = false;
-        }
-    }
     let mut is_placed = vec![false; scene.parts.len()];
     kept.iter().for_each(|&index| is_placed[scene.instances[index].part as usize] = true);
     let mut was_placed = vec![false; scene.parts.len()];

@@ -5,13 +5,18 @@ use crate::brep::{
 };
 use crate::scene::{self, BodyInfo, Finding, Metadata};
 
-/// Names, units, counts of the model and the bodies of `parts`; parts, faces, instances and diagnostics are the bake's to add.
-pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], parts: &[Id<Part>]) -> Metadata {
+/// The bodies of `parts`.
+pub(super) fn bodies_of(model: &Model, parts: &[Id<Part>]) -> Vec<BodyInfo> {
     let bodies = parts.iter().flat_map(|&part| &model.parts[part].bodies);
     let body = |body: &Body| {
         let is_closed = body.kind == BodyKind::Solid && is_closed(model, body);
-        BodyInfo { entity: body.entity, is_closed }
+        BodyInfo::new(body.entity, is_closed)
     };
+    bodies.map(body).collect()
+}
+
+/// Names, units, counts of the model; parts, instances and diagnostics are the bake's to add.
+pub(super) fn of_model(model: &Model, occurrences: &[Occurrence]) -> Metadata {
     let solids_of =
         |part: &Part| part.bodies.iter().filter(|body| body.kind == BodyKind::Solid).count() as u64;
     let solids: Vec<u64> = model.parts.iter().map(solids_of).collect();
@@ -22,7 +27,6 @@ pub(super) fn of_model(model: &Model, occurrences: &[Occurrence], parts: &[Id<Pa
         originating_system: model.source.originating_system.clone(),
         unit: model.source.unit.name.clone(),
         unit_millimetres: model.source.unit.millimetres,
-        bodies: bodies.map(body).collect(),
         declared_faces: model.declared_faces as u64,
         solids: occurrences.iter().map(|occurrence| solids[occurrence.part.index()]).sum(),
         recognised: model

@@ -168,8 +168,9 @@ fn bake_parts(
     keep_regions: bool,
 ) -> (SceneBuffers, TrimRegions, BakeTimes) {
     let Trimmed { occurrences, is_cut, parts, drafts, patch_points } = trimmed;
-    let metadata = metadata::of_model(model, &occurrences, &parts);
-    let mut scene = SceneBuffers { metadata, ..SceneBuffers::default() };
+    let metadata = metadata::of_model(model, &occurrences);
+    let body_infos = metadata::bodies_of(model, &parts);
+    let mut scene = SceneBuffers { metadata, body_infos, ..SceneBuffers::default() };
     let mut findings = metadata::findings(model, is_cut);
     scene.metadata.largest_gap = gaps::report(&mut findings, model, &drafts);
     let max_leaves = leaves::most_leaves(patch_points);
@@ -225,7 +226,7 @@ fn bake_parts(
     }
     metadata::report_unplaced(&mut findings, model, &parts);
     for face in &mut scene.faces {
-        if scene.metadata.bodies[face.body as usize].is_closed {
+        if scene.body_infos[face.body as usize].is_closed() {
             face.flags |= scene::Face::CLOSED;
         }
     }
@@ -393,7 +394,7 @@ fn gather(
             (Ok(_), None) => Some("it has no outline".to_owned()),
         };
         if let Some(reason) = dropped {
-            scene.metadata.bodies[draft.body].is_closed = false;
+            scene.body_infos[draft.body].is_closed = 0;
             let finding = Diagnostic::dropped_face(face.entity, "ADVANCED_FACE", reason);
             findings.push(finding);
         }

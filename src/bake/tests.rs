@@ -185,7 +185,7 @@ fn two_blocks() -> SceneBuffers {
 fn part_of_a_scene_is_a_scene_of_its_own() {
     let whole = two_blocks();
     let whole = whole.scene();
-    assert!(whole.metadata.bodies.iter().all(|body| body.is_closed));
+    assert!(whole.body_infos.iter().all(|body| body.is_closed()));
     let faces = vec![true; whole.faces.len()];
     let kept = super::keep(&whole, &[false, true], &faces).expect("kept");
     let scene = kept.of(&whole);
@@ -195,7 +195,7 @@ fn part_of_a_scene_is_a_scene_of_its_own() {
     assert!((scene.header.world_anchor[0] - 1000.5).abs() < 0.1, "{:?}", scene.header.world_anchor);
     assert!(scene.header.half_size.iter().all(|&half| (0.5..0.6).contains(&half)));
     assert_eq!(scene.metadata.missing_faces(Severity::Hidden), 6);
-    assert!(scene.metadata.bodies[1].is_closed && scene.has_f64());
+    assert!(scene.body_infos[1].is_closed() && scene.has_f64());
 
     let mut faces = faces;
     faces[0] = false;
@@ -203,7 +203,7 @@ fn part_of_a_scene_is_a_scene_of_its_own() {
     let scene = kept.of(&whole);
     validate(&scene).expect("a valid scene");
     let part = scene.faces[0].part as usize;
-    assert!(!scene.metadata.bodies[scene.faces[0].body as usize].is_closed, "a body without a face is open");
+    assert!(!scene.body_infos[scene.faces[0].body as usize].is_closed(), "a body without a face is open");
     let is_closed = |face: &crate::scene::Face| face.flags & crate::scene::Face::CLOSED != 0;
     assert!(
         whole.faces.iter().all(is_closed) && scene.faces.iter().filter(|face| is_closed(face)).count() == 6

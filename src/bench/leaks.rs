@@ -55,10 +55,10 @@ pub fn rate_bound(n: u64, k: u64) -> f64 {
 
 /// Whether the scene is made of closed solids alone, with all faces of its model: then all rays from outside have an even number of hits.
 pub fn is_closed(model: &Model, scene: &Scene<'_>) -> bool {
-    let bodies = &scene.metadata.bodies;
+    let bodies = scene.body_infos;
     model.declared_faces == model.faces.len()
         && !bodies.is_empty()
-        && bodies.iter().all(|body| body.is_closed)
+        && bodies.iter().all(|body| body.is_closed())
 }
 
 /// Points on the edges of every occurrence of a part, world space.

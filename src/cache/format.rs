@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const MAGIC: [u8; 8] = *b"\x89trmray\n";
 
 /// Changes with every change of a record or of this format.
-pub(super) const VERSION: u32 = 10;
+pub(super) const VERSION: u32 = 11;
 
 /// Reads as another number on a machine of the other byte order.
 pub(super) const ENDIAN_MARK: u32 = 0x0a0b_0c0d;
@@ -70,10 +70,12 @@ pub(super) enum Section {
     NetPointsF64 = 16,
     EdgePieces = 17,
     EdgePoints = 18,
+    FaceInfos = 19,
+    BodyInfos = 20,
 }
 
 /// How many kinds of section there are.
-pub(super) const SECTION_KINDS: usize = 19;
+pub(super) const SECTION_KINDS: usize = 21;
 
 /// The check of a section table.
 pub(super) fn table_check(table: &[SectionEntry]) -> u64 {

@@ -117,6 +117,8 @@ impl CacheFile {
             net_points_f64: self.array(Section::NetPointsF64),
             edge_pieces: self.array(Section::EdgePieces),
             edge_points: self.array(Section::EdgePoints),
+            face_infos: self.array(Section::FaceInfos),
+            body_infos: self.array(Section::BodyInfos),
         }
     }
 
@@ -135,7 +137,8 @@ impl CacheFile {
 /// Bytes of an element of each kind of section.
 fn element_sizes() -> [usize; SECTION_KINDS] {
     use crate::scene::{
-        BvhNode, EdgePiece, Face, FaceF64, Instance, InstanceF64, Material, Net, NetLeaf, Part, TrimSegment,
+        BodyInfo, BvhNode, EdgePiece, Face, FaceF64, FaceInfo, Instance, InstanceF64, Material, Net, NetLeaf,
+        Part, TrimSegment,
     };
     [
         size_of::<Header>(),
@@ -157,6 +160,8 @@ fn element_sizes() -> [usize; SECTION_KINDS] {
         size_of::<[f64; 4]>(),
         size_of::<EdgePiece>(),
         size_of::<[f32; 4]>(),
+        size_of::<FaceInfo>(),
+        size_of::<BodyInfo>(),
     ]
 }
 

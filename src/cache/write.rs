@@ -37,6 +37,8 @@ fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Re
     add(&mut sections, Section::NetPointsF64, scene.net_points_f64);
     add(&mut sections, Section::EdgePieces, scene.edge_pieces);
     add(&mut sections, Section::EdgePoints, scene.edge_points);
+    add(&mut sections, Section::FaceInfos, scene.face_infos);
+    add(&mut sections, Section::BodyInfos, scene.body_infos);
 
     let mut table = Vec::with_capacity(sections.len());
     let mut end = PAGE;

@@ -60,7 +60,7 @@ impl<'a> IdMap<'a> {
             cryptomatte,
             hash: format!("{:08x}", matte_id(cryptomatte)),
         });
-        let faces = scene.faces.iter().zip(&metadata.faces).enumerate();
+        let faces = scene.faces.iter().zip(scene.face_infos).enumerate();
         let faces = faces.map(|(index, (face, info))| FaceEntry {
             id: index + 1,
             entity: format!("#{}", info.entity),

@@ -115,7 +115,7 @@ fn write_hits(out: &mut impl Write, scene: &Scene<'_>, ray: &Ray, hits: &[Hit]) 
 }
 
 fn hit_line<'a>(scene: &Scene<'a>, ray: &Ray, hit: &Hit) -> HitLine<'a> {
-    let face = scene.metadata.faces.get(hit.face as usize);
+    let face = scene.face_infos.get(hit.face as usize);
     let part =
         scene.instances.get(hit.instance as usize).and_then(|i| scene.metadata.parts.get(i.part as usize));
     HitLine {

@@ -140,8 +140,8 @@ impl Choice {
         });
         let instances = instances.collect();
         let bodies: Vec<bool> =
-            scene.metadata.bodies.iter().map(|body| test(Subject::Body(body.entity))).collect();
-        let faces = scene.faces.iter().zip(&scene.metadata.faces);
+            scene.body_infos.iter().map(|body| test(Subject::Body(body.entity))).collect();
+        let faces = scene.faces.iter().zip(scene.face_infos);
         let faces = faces.map(|(face, info)| {
             let of_body = bodies.get(face.body as usize).copied().unwrap_or_default();
             test(Subject::Face(info.entity)) || of_body

@@ -11,6 +11,8 @@ pub fn section_bytes(scene: &Scene<'_>) -> BTreeMap<&'static str, usize> {
         ("instances", size_of_val(scene.instances)),
         ("parts", size_of_val(scene.parts)),
         ("faces", size_of_val(scene.faces)),
+        ("face_infos", size_of_val(scene.face_infos)),
+        ("body_infos", size_of_val(scene.body_infos)),
         ("nets", size_of_val(scene.nets)),
         ("net_leaves", size_of_val(scene.net_leaves)),
         ("net_points", size_of_val(scene.net_points)),

@@ -179,7 +179,7 @@ pub struct Face {
     /// How far beside the ray, part space, the face's border may be off: its distance from the edge in the model, and what f32 rounds of
     /// a hit and of the trim curves.
     pub slack: f32,
-    /// Index into `Metadata::bodies`.
+    /// Index into `body_infos`.
     pub body: u32,
     /// Unused, 0.
     pub reserved: [u32; 2],

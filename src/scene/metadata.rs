@@ -20,10 +20,6 @@ pub struct Metadata {
     pub unit_millimetres: f64,
     /// One per part of the scene.
     pub parts: Vec<PartInfo>,
-    /// One per body of those parts.
-    pub bodies: Vec<BodyInfo>,
-    /// One per face.
-    pub faces: Vec<FaceInfo>,
     /// One per instance.
     pub instances: Vec<InstanceInfo>,
     /// Faces that the file declares.
@@ -94,26 +90,6 @@ pub struct PartInfo {
     pub name: String,
     /// The file's entity number.
     pub entity: u64,
-}
-
-/// A body.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct BodyInfo {
-    /// The file's entity number.
-    pub entity: u64,
-    /// Whether its faces enclose a volume: a solid all of whose faces are here and meet in all of their edges.
-    pub is_closed: bool,
-}
-
-/// A face.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct FaceInfo {
-    /// The file's entity number.
-    pub entity: u64,
-    /// Surface parameters of normalised (0, 0), and the window's size, f64.
-    pub uv_low: [f64; 2],
-    /// See `uv_low`.
-    pub uv_size: [f64; 2],
 }
 
 /// An instance.

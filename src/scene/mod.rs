@@ -17,6 +17,7 @@ mod layout;
 #[cfg(test)]
 mod layout_tests;
 mod metadata;
+mod source;
 mod trim;
 mod trim_method;
 pub mod trim_study;
@@ -32,7 +33,8 @@ pub use layout::{
     BvhNode, Face, FaceF64, FaceKind, Header, Instance, InstanceF64, MAX_DEGREE, MAX_TREE_DEPTH, Material,
     NO_MATERIAL, Net, NetLeaf, Part, bend_bound, bend_byte, point_side, primitive,
 };
-pub use metadata::{BodyInfo, EdgeGap, FaceInfo, Finding, InstanceInfo, Metadata, PartInfo, Severity};
+pub use metadata::{EdgeGap, Finding, InstanceInfo, Metadata, PartInfo, Severity};
+pub use source::{BodyInfo, FaceInfo};
 pub use trim::{Band, TRIM_INSIDE, TrimSegment, trim_word};
 pub use trim_method::{TrimMethod, TrimStructure, UnknownTrimMethod};
 pub use validate::{InvalidScene, validate};
@@ -54,6 +56,10 @@ pub struct SceneBuffers {
     pub parts: Vec<Part>,
     /// Faces, grouped by part.
     pub faces: Vec<Face>,
+    /// One per face.
+    pub face_infos: Vec<FaceInfo>,
+    /// Those of the source's parts with faces.
+    pub body_infos: Vec<BodyInfo>,
     /// Bézier nets, grouped by face.
     pub nets: Vec<Net>,
     /// Sub-domains of nets.
@@ -91,6 +97,8 @@ pub struct Scene<'a> {
     pub instances: &'a [Instance],
     pub parts: &'a [Part],
     pub faces: &'a [Face],
+    pub face_infos: &'a [FaceInfo],
+    pub body_infos: &'a [BodyInfo],
     pub nets: &'a [Net],
     pub net_leaves: &'a [NetLeaf],
     pub net_points: &'a [[f32; 4]],
@@ -116,6 +124,8 @@ impl SceneBuffers {
             instances: &self.instances,
             parts: &self.parts,
             faces: &self.faces,
+            face_infos: &self.face_infos,
+            body_infos: &self.body_infos,
             nets: &self.nets,
             net_leaves: &self.net_leaves,
             net_points: &self.net_points,

@@ -66,7 +66,7 @@ fn header(scene: &Scene<'_>) -> Check {
     require(header.max_trim_degree <= MAX_DEGREE, "header", 0, "trim curves have too high a degree")?;
     let metadata = scene.metadata;
     require(metadata.parts.len() == scene.parts.len(), "metadata", 0, "not one entry per part")?;
-    require(metadata.faces.len() == scene.faces.len(), "metadata", 0, "not one entry per face")?;
+    require(scene.face_infos.len() == scene.faces.len(), "face_infos", 0, "not one entry per face")?;
     require(metadata.instances.len() == scene.instances.len(), "metadata", 0, "not one entry per instance")
 }
 
@@ -107,7 +107,7 @@ fn faces(scene: &Scene<'_>) -> Check {
         check(scene.header.feature_mask >> face.kind & 1 == 1, "its kind is not in the feature mask")?;
         check((face.material as usize) < scene.materials.len(), "no such material")?;
         check((face.part as usize) < scene.parts.len(), "no such part")?;
-        check((face.body as usize) < scene.metadata.bodies.len(), "no such body")?;
+        check((face.body as usize) < scene.body_infos.len(), "no such body")?;
         check(face.slack >= 0.0, "its slack is negative")?;
         check(on_grid(face.grid), "it lies outside of the grid")?;
         let numbers: [&[f32]; 9] = [

@@ -31,7 +31,7 @@ struct Primitives {
 pub fn every_kind() -> SceneBuffers {
     let mut scene = SceneBuffers::default();
     let mut primitives = Primitives::default();
-    scene.metadata.bodies.push(BodyInfo::default());
+    scene.body_infos.push(BodyInfo::default());
     let hole = push_hole(&mut scene);
     let kinds = [FaceKind::Plane, FaceKind::Cylinder, FaceKind::Cone, FaceKind::Sphere, FaceKind::Torus];
     for (index, kind) in kinds.into_iter().enumerate() {
@@ -202,11 +202,7 @@ fn push_analytic(
         body: 0,
         reserved: [0; 2],
     });
-    scene.metadata.faces.push(FaceInfo {
-        entity: 0,
-        uv_low: low.map(f64::from),
-        uv_size: size.map(f64::from),
-    });
+    scene.face_infos.push(FaceInfo { entity: 0, uv_low: low.map(f64::from), uv_size: size.map(f64::from) });
     out.words.push(pack(Primitive::Face(face)));
     out.boxes.push((center - Vec3::splat(3.6), center + Vec3::splat(3.6)));
 }
@@ -235,7 +231,7 @@ fn push_net(scene: &mut SceneBuffers, out: &mut Primitives, center: Vec3, trim_r
         body: 0,
         reserved: [0; 2],
     });
-    scene.metadata.faces.push(FaceInfo { entity: 0, uv_low: [0.0; 2], uv_size: [1.0; 2] });
+    scene.face_infos.push(FaceInfo { entity: 0, uv_low: [0.0; 2], uv_size: [1.0; 2] });
     let net = Net {
         first_point: 0,
         degrees: 3 | 3 << 8 | 1 << 16,

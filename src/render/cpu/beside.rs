@@ -150,7 +150,7 @@ mod tests {
         };
         let faces = [square(0.0, 1.0, false), square(gap, 0.0, true)];
         let mut scene = scene_of(&faces, &[DAffine3::IDENTITY]);
-        scene.metadata.bodies.iter_mut().for_each(|body| body.is_closed = true);
+        scene.body_infos.iter_mut().for_each(|body| body.is_closed = 1);
         scene
     }
 
@@ -195,9 +195,9 @@ mod tests {
             let face = TestFace { reversed: height == 0.0, ..third.clone() };
             face.placed(DVec3::Z * height, DMat3::IDENTITY)
         });
-        let bodies = scene.metadata.bodies.clone();
+        let bodies = scene.body_infos.clone();
         scene = scene_of(&faces, &[DAffine3::IDENTITY]);
-        scene.metadata.bodies = bodies;
+        scene.body_infos = bodies;
         assert_eq!(settled_at(&scene, 0.5), (3, 2, true));
         let hits = probe(&scene.scene(), &[ray_at(0.5)], Precision::F64, false);
         assert_eq!(hits[0].iter().map(|hit| hit.t).collect::<Vec<_>>(), [8.0, 9.0]);

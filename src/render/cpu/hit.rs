@@ -62,6 +62,6 @@ pub fn surface_parameters<T: Kernel>(scene: &Scene<'_>, face: u32, net: u32, uv:
     } else {
         face_parameters(&scene.nets[net as usize], scene.faces[face as usize].period, uv)
     };
-    let info = &scene.metadata.faces[face as usize];
+    let info = &scene.face_infos[face as usize];
     [0, 1].map(|k| info.uv_low[k] + normalised[k].to_f64() * info.uv_size[k])
 }

@@ -39,7 +39,7 @@ pub fn consistent<T: Kernel>(
     let mut kept = vec![true; crossings.len()];
     for of_body in order.chunk_by(|&a, &b| body(a) == body(b)) {
         let own: Vec<Crossing<T>> = of_body.iter().map(|&index| crossings[index]).collect();
-        let is_closed = scene.metadata.bodies[body(of_body[0]).1 as usize].is_closed;
+        let is_closed = scene.body_infos[body(of_body[0]).1 as usize].is_closed();
         let in_turn = if is_closed { in_turn(&own, starts_outside) } else { None };
         let stays = in_turn.unwrap_or_else(|| without_overlaps(scene, &own));
         of_body.iter().zip(stays).for_each(|(&index, stays)| kept[index] = stays);
@@ -51,7 +51,7 @@ pub fn consistent<T: Kernel>(
 pub fn odd_bodies(scene: &Scene<'_>, bodies: impl Iterator<Item = (u32, u32)>) -> SmallVec<[(u32, u32); 2]> {
     let mut bodies: SmallVec<[(u32, u32); 16]> = bodies.collect();
     bodies.sort_unstable();
-    let is_closed = |body: u32| scene.metadata.bodies[body as usize].is_closed;
+    let is_closed = |body: u32| scene.body_infos[body as usize].is_closed();
     let is_odd = |of_body: &&[(u32, u32)]| of_body.len() % 2 == 1 && is_closed(of_body[0].1);
     bodies.chunk_by(|a, b| a == b).filter(is_odd).map(|of_body| of_body[0]).collect()
 }

@@ -10,7 +10,7 @@ use super::trace::{RawHit, face_parameters, keep_first, trace};
 use super::trim::{packed_inside, study_method, trim_counted, trim_inside};
 use super::trim_study::{TrimCounts, study_inside};
 use crate::render::{Exactness, Ray};
-use crate::scene::{Face, Metadata, NetLeaf, Scene, TRIM_INSIDE, TrimMethod};
+use crate::scene::{BodyInfo, Face, NetLeaf, Scene, TRIM_INSIDE, TrimMethod};
 use rayon::prelude::*;
 
 /// Rays whose queries are gathered together.
@@ -32,7 +32,7 @@ pub struct TrimQuery {
 pub struct Untrimmed {
     faces: Vec<Face>,
     net_leaves: Vec<NetLeaf>,
-    metadata: Metadata,
+    body_infos: Vec<BodyInfo>,
 }
 
 impl Untrimmed {
@@ -40,18 +40,17 @@ impl Untrimmed {
     pub fn new(scene: &Scene<'_>) -> Self {
         let face = |face: &Face| Face { trim_root: TRIM_INSIDE, ..*face };
         let leaf = |leaf: &NetLeaf| NetLeaf { trim: TRIM_INSIDE, ..*leaf };
-        let mut metadata = scene.metadata.clone();
-        metadata.bodies.iter_mut().for_each(|body| body.is_closed = false);
+        let body = |body: &BodyInfo| BodyInfo { is_closed: 0, ..*body };
         Self {
             faces: scene.faces.iter().map(face).collect(),
             net_leaves: scene.net_leaves.iter().map(leaf).collect(),
-            metadata,
+            body_infos: scene.body_infos.iter().map(body).collect(),
         }
     }
 
     /// The rest is that of `scene`, of which this was made.
     pub fn scene<'a>(&'a self, scene: &Scene<'a>) -> Scene<'a> {
-        Scene { faces: &self.faces, net_leaves: &self.net_leaves, metadata: &self.metadata, ..*scene }
+        Scene { faces: &self.faces, net_leaves: &self.net_leaves, body_infos: &self.body_infos, ..*scene }
     }
 }
 

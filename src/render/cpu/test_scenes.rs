@@ -140,7 +140,7 @@ pub fn scene_of(faces: &[TestFace], placements: &[DAffine3]) -> SceneBuffers {
             half_size: f32s(half),
             ..Header::default()
         },
-        metadata: Metadata { bodies: vec![BodyInfo::default()], ..Metadata::default() },
+        body_infos: vec![BodyInfo::default()],
         materials: vec![Material::of_color([0.5, 0.55, 0.6])],
         ..SceneBuffers::default()
     };
@@ -270,7 +270,7 @@ fn add_face(scene: &mut SceneBuffers, face: &TestFace, center: DVec3, step: f64)
         uv_scale: scale,
         period,
     });
-    scene.metadata.faces.push(FaceInfo { entity: 0, uv_low: face.low, uv_size: size });
+    scene.face_infos.push(FaceInfo { entity: 0, uv_low: face.low, uv_size: size });
 }
 
 fn add_net(scene: &mut SceneBuffers, net: &TestNet, face: u32, center: DVec3) {

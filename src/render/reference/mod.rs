@@ -142,7 +142,7 @@ impl<'a> Reference<'a> {
         }
         let expected = |c: &Candidate| {
             let face = c.raw.face as usize;
-            let unit = self.scene.metadata.faces[face].uv_size;
+            let unit = self.scene.face_infos[face].uv_size;
             ExpectedHit {
                 hit: finish_hit(&self.scene, &c.raw, prepared.start),
                 size: c.size,

@@ -38,6 +38,8 @@ pub fn widened(scene: &Scene<'_>) -> SceneBuffers {
         primitives: scene.primitives.to_vec(),
         instances: scene.instances.to_vec(),
         parts: scene.parts.to_vec(),
+        face_infos: scene.face_infos.to_vec(),
+        body_infos: scene.body_infos.to_vec(),
         faces: scene.faces.to_vec(),
         nets: scene.nets.to_vec(),
         net_leaves: scene.net_leaves.to_vec(),
