@@ -78,12 +78,17 @@ const NEAREST: f64 = 1e-6;
 impl Camera {
     /// The ray through `(x, y)` of the picture, both in −1..=1, x to the right, y up, for a picture `aspect` times as wide as high.
     pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {
-        let across = self.right * (x * aspect * self.half_height) + self.up * (y * self.half_height);
+        let across = self.across(x, y, aspect);
         if self.orthographic {
             Ray { origin: self.position + across, direction: self.forward }
         } else {
             Ray { origin: self.position, direction: (self.forward + across).normalize() }
         }
+    }
+
+    /// From the middle of the picture to a place in it, as in [`Self::ray`], at distance 1.
+    pub fn across(&self, x: f64, y: f64, aspect: f64) -> DVec3 {
+        self.right * (x * aspect * self.half_height) + self.up * (y * self.half_height)
     }
 
     /// The camera for pictures that show all `points` and are `aspect` times as wide as high. No points count as the unit box.

@@ -33,8 +33,8 @@ const MOST_BEND: f32 = 4.0 / 255.0;
 /// Pixels by which a surface may step towards the viewer unsampled.
 const MOST_STEP: f32 = 1.0;
 
-/// Pixels whose centres one thread finds at a time.
-const PIXELS_PER_BAND: usize = 1024;
+/// Rows of pixels whose centres one thread finds at a time.
+const ROWS_PER_BAND: usize = 8;
 
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
@@ -92,7 +92,7 @@ impl<'a> Centers<'a> {
         find: impl Fn(Range<usize>) -> C + Sync,
     ) {
         let scene = self.scene;
-        let firsts = (first..).step_by(PIXELS_PER_BAND);
+        let firsts = (first..).step_by(self.pixels_per_band());
         let bands: Vec<(usize, Band<'_>)> = firsts.zip(self.bands(first, count)).collect();
         bands.into_par_iter().for_each(|(first, mut band)| {
             let found = find(first..first + band.open.len());
@@ -104,8 +104,13 @@ impl<'a> Centers<'a> {
         });
     }
 
+    fn pixels_per_band(&self) -> usize {
+        self.film.width.max(1) * ROWS_PER_BAND
+    }
+
     /// The pixels' places in bands.
     fn bands(&mut self, first: usize, count: usize) -> impl Iterator<Item = Band<'_>> {
+        let pixels = self.pixels_per_band();
         let Film { depth, normal, part, face, uv, curvature, albedo, matte, .. } = &mut self.film;
         let mut rest = Band {
             depth,
@@ -124,7 +129,7 @@ impl<'a> Centers<'a> {
         rest.split_off(first);
         let mut rest = rest.split_off(count);
         std::iter::from_fn(move || {
-            let band = rest.split_off(PIXELS_PER_BAND);
+            let band = rest.split_off(pixels);
             (!band.open.is_empty()).then_some(band)
         })
     }

@@ -5,8 +5,14 @@ use crate::render::{Camera, Ray};
 
 /// The model-space ray through `(x, y)` of the picture in pixels, from the left and from the top.
 pub fn pixel_ray(camera: &Camera, resolution: [u32; 2], x: f64, y: f64) -> Ray {
+    let [x, y, aspect] = in_picture(resolution, x, y);
+    camera.ray(x, y, aspect)
+}
+
+/// Where `(x, y)` in pixels is in a picture: from −1 to 1 from the left and from the bottom, and how many times as wide as high the picture is.
+pub fn in_picture(resolution: [u32; 2], x: f64, y: f64) -> [f64; 3] {
     let (width, height) = (f64::from(resolution[0]), f64::from(resolution[1]));
-    camera.ray(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, width / height)
+    [2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, width / height]
 }
 
 /// The ray through the centre of pixel `pixel` of a part of a picture, row by row.

@@ -11,6 +11,7 @@
 
 pub(super) mod adaptive;
 pub(super) mod analytic;
+mod beam;
 pub(super) mod bernstein;
 mod beside;
 pub(super) mod bsdf;

@@ -79,10 +79,15 @@ impl Lights {
     }
 }
 
+/// What is seen where nothing is.
+pub fn empty_center() -> Center {
+    Center { open: 1.0, ..Center::zeroed() }
+}
+
 /// What the ray through a pixel's centre shows, and what it sees of the sky by one ray.
 pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel: u32) -> Center {
     let scene = shading.scene;
-    let mut center = Center { open: 1.0, ..Center::zeroed() };
+    let mut center = empty_center();
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
     let exactness = shading.options.exactness;
     let mut cut = shading.cut(&prepared.ray, prepared.near);
