@@ -3,7 +3,7 @@
 //! A disc fills its box's middle, not its corners, and a picture framed by the corners shows it small and off the centre. So the scene is looked
 //! at twice: coarsely by the camera of the box, then by a camera around the points that were seen.
 
-use super::cpu::{Precision, probe};
+use super::cpu::{Precision, first_distances, probe};
 use super::section::Section;
 use super::sectioned::first_in_section;
 use super::{Camera, Ray, Viewpoint};
@@ -88,7 +88,11 @@ fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect:
         .flat_map(|row| (0..width as usize).map(move |column| (column, row)))
         .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
         .collect();
-    let hits = probe(scene, &rays, Precision::F32, section.is_empty());
+    if section.is_empty() {
+        let seen = rays.iter().zip(first_distances(scene, &rays));
+        return seen.filter(|(_, t)| t.is_finite()).map(|(ray, t)| ray.at(t)).collect();
+    }
+    let hits = probe(scene, &rays, Precision::F32, false);
     let point = |(ray, hits): (&Ray, &Vec<super::Hit>)| {
         let hit = first_in_section(scene, section, ray, hits);
         hit.map(|hit| ray.at(hit.t))

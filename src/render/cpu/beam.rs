@@ -207,3 +207,92 @@ impl Shaft {
         met & enter.at_most(leave)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::camera::pixel_ray;
+    use super::super::probe::first_distances;
+    use super::super::test_scenes::{Random, TestFace, scene_of};
+    use super::*;
+    use crate::render::{Ray, Viewpoint};
+    use crate::scene::FaceKind;
+    use glam::{DAffine3, DQuat};
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    const RESOLUTION: [u32; 2] = [96, 64];
+    const BLOCK: usize = 8;
+
+    /// How many blocks are left out; fails where a ray of one of those hits.
+    fn blocks_left_out(scene: &Scene<'_>, camera: &Camera, random: &mut Random) -> usize {
+        let [width, height] = RESOLUTION.map(|n| n as usize);
+        let corners = (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| [x, y]));
+        let is_left_out = |&low: &[usize; 2]| {
+            let beam = Beam::through(scene, camera, RESOLUTION, low, low.map(|x| x + BLOCK));
+            !may_meet(scene, &beam)
+        };
+        let left_out: Vec<[usize; 2]> = corners.filter(is_left_out).collect();
+        // At the block's corners and within.
+        let mut places = |low: [usize; 2]| -> Vec<Ray> {
+            let mut place = |index: usize| {
+                let share = if index < 4 {
+                    [index & 1, index >> 1].map(|x| x as f64)
+                } else {
+                    [0, 1].map(|_| random.unit())
+                };
+                [0, 1].map(|k| low[k] as f64 + share[k] * BLOCK as f64)
+            };
+            (0..40).map(|index| place(index)).map(|[x, y]| pixel_ray(camera, RESOLUTION, x, y)).collect()
+        };
+        for &low in &left_out {
+            let rays = places(low);
+            assert!(first_distances(scene, &rays).iter().all(|t| t.is_infinite()), "{low:?} {camera:?}");
+        }
+        left_out.len()
+    }
+
+    #[test]
+    fn no_ray_of_a_block_that_is_left_out_hits_anything() {
+        let ball = TestFace::analytic(FaceKind::Sphere, [0.4, 0.0], [0.0, -FRAC_PI_2], [TAU, FRAC_PI_2]);
+        let plate = TestFace::analytic(FaceKind::Plane, [0.0; 2], [-1.5, -0.02], [1.5, 0.02]);
+        let rod = TestFace::analytic(FaceKind::Cylinder, [0.01, 0.0], [0.0, -2.0], [TAU, 2.0]);
+        let faces = [ball.placed(DVec3::new(0.3, 0.1, 0.2), DMat3::IDENTITY), plate, rod];
+        let mut random = Random(11);
+        let turned = |random: &mut Random| {
+            let turn = DQuat::from_euler(glam::EulerRot::XYZ, random.unit() * TAU, random.unit() * TAU, 0.3);
+            DAffine3::from_scale_rotation_translation(
+                DVec3::splat(0.5 + random.unit()),
+                turn,
+                random.point(4.0),
+            )
+        };
+        let several: Vec<DAffine3> = (0..9).map(|_| turned(&mut random)).collect();
+        let (mut left_out, mut blocks) = (0, 0);
+        for placements in
+            [vec![DAffine3::IDENTITY], vec![DAffine3::from_translation(DVec3::splat(7e4))], several]
+        {
+            let scene = scene_of(&faces, &placements);
+            let scene = scene.scene();
+            for turn in 0..24 {
+                // Some along axes, some from afar, some from within.
+                let direction = match turn % 4 {
+                    0 => [DVec3::X, -DVec3::Y, DVec3::Z][turn / 4 % 3],
+                    _ => random.direction(),
+                };
+                let orthographic = turn % 3 == 0;
+                let view =
+                    Viewpoint { direction: Some(direction), orthographic, fill: 0.6, ..Viewpoint::default() };
+                let framed = Camera::framing(&view, &scene, 1.5);
+                let far = Camera {
+                    position: framed.position - framed.forward * 1e4,
+                    half_height: framed.half_height * 1e-3,
+                    ..framed
+                };
+                let within = Camera { position: DVec3::from_array(scene.header.world_anchor), ..framed };
+                let camera = [framed, framed, if orthographic { framed } else { far }, within][turn / 4 % 4];
+                left_out += blocks_left_out(&scene, &camera, &mut random);
+                blocks += 96;
+            }
+        }
+        assert!(left_out * 4 > blocks, "{left_out} of {blocks}");
+    }
+}

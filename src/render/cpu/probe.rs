@@ -80,13 +80,13 @@ pub fn probe_with(
 }
 
 /// How far each ray goes to its first hit, as pictures take it: in f32, and whatever the bodies can have. Infinite where it meets nothing.
-pub fn first_distances(scene: &Scene<'_>, rays: &[Ray]) -> Vec<f32> {
+pub fn first_distances(scene: &Scene<'_>, rays: &[Ray]) -> Vec<f64> {
     let distance = |ray: &Ray| {
         let prepared = prepare::<f32>(ray, scene.header)?;
         let hit = first_hit(scene, Exactness::default(), &prepared.ray, prepared.near)?;
-        Some((prepared.start + hit.distance.to_f64()) as f32)
+        Some(prepared.start + hit.distance.to_f64())
     };
-    rays.par_iter().map(|ray| distance(ray).unwrap_or(f32::INFINITY)).collect()
+    rays.par_iter().map(|ray| distance(ray).unwrap_or(f64::INFINITY)).collect()
 }
 
 /// The hits of one ray.
