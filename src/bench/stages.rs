@@ -284,7 +284,7 @@ fn measure_cache(scene: &SceneBuffers, scratch: &Path, times: &mut StageTimes) -
     let file = CacheFile::open(scratch)?;
     trace_one(&file);
     times.add(Stage::FirstRay, clock.lap());
-    let (store, key) = (Store::new(scratch.with_extension("kept")), Key::new([0; 32], ""));
+    let (store, key) = (Store::private(scratch.with_extension("kept")), Key::new([0; 32], ""));
     store.keep(&key, &scene.scene(), &Provenance::default())?;
     clock.lap();
     if let Some(kept) = store.find(&key) {

@@ -1,4 +1,4 @@
-//! Opening: the file is mapped, its table and then the whole scene are checked, and only then used.
+//! Opening: the file is mapped, its table and then the whole scene are checked, unless that was found sound before, and only then used.
 
 use super::format::{
     ENDIAN_MARK, FileHeader, MAGIC, PAGE, SECTION_KINDS, Section, SectionEntry, VERSION, table_check,
@@ -11,7 +11,7 @@ use memmap2::{Mmap, MmapMut};
 use std::ops::Range;
 use std::path::Path;
 
-/// A mapped and validated cache file.
+/// A mapped cache file, validated now or before.
 ///
 /// The file must not be changed while it is mapped; [`super::write`] replaces files instead of changing them.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl CacheFile {
         let file = std::fs::File::open(path).map_err(failed)?;
         let before = file.metadata().map_err(failed)?;
         // SAFETY: the map is read-only. Writers of this crate rename a new file into place and never change one that may be mapped; a
-        // foreign writer that does can make reads fail, as with any map, but all indices were copied or checked on the same bytes.
+        // foreign writer that does can make reads fail or end in a panic, as with any map; no index is used without a check of bounds.
         let map = unsafe { Mmap::map(&file) }.map_err(failed)?;
         let opened = Self::from_map(map).map_err(invalid)?;
         if !sound.is_some_and(|sound| sound.has(&before)) {

@@ -1,15 +1,17 @@
 //! Which files were found sound, so that whoever opens one of them again need not read all of it.
 //!
-//! A note is an empty file in a folder of the user's own. Its name is a hash of the device, the inode, the size and the times of the file that it stands for, and of
+//! A note is an empty file in a folder in which nobody but the user writes. Its name is a hash of the device, the inode, the size and the times of the file that it stands for, and of
 //! the program: a file that is changed or replaced has other times, and is checked again. Since clocks have ticks, a file from elsewhere is noted only once it
 //! is older than those.
-//! Nothing in a cache file says that it is sound: others may have written it. Where a file is damaged without a change of its times, indices are still
-//! within bounds or end the program, as everywhere in safe code.
+//! Nothing in a cache file says that it is sound: others may have written it.
+//!
+//! It is the file system's word that is taken: what changes a file through a map of its own, or makes times up, is not noticed. Such a scene may end the program or
+//! keep it from ending; memory stays safe, as everywhere in code that checks bounds.
 
-use super::store::program;
+use super::program::program;
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// How long a file has to have been as it is before it is noted: longer than file systems' clocks stand still.
 const SETTLED: Duration = Duration::from_secs(2);
@@ -31,29 +33,35 @@ impl SoundFiles {
 
     /// Whether the file, as it is now, was found sound.
     pub fn has(&self, file: &Metadata) -> bool {
-        identity(file).is_some_and(|identity| self.note(&identity).exists())
+        identity(file).and_then(|identity| self.note(&identity)).is_some_and(|note| note.exists())
     }
 
     /// Notes that the file is sound, if it is as it was before it was looked at.
     pub fn add(&self, before: &Metadata, now: &Metadata) {
-        if identity(before) == identity(now) && age(now).is_some_and(|age| age >= SETTLED) {
+        self.add_at(before, now, SystemTime::now());
+    }
+
+    fn add_at(&self, before: &Metadata, now: &Metadata, clock: SystemTime) {
+        let is_settled =
+            changed(now).and_then(|then| clock.duration_since(then).ok()).is_some_and(|age| age >= SETTLED);
+        if is_settled && identity(before) == identity(now) {
             self.add_own(now);
         }
     }
 
     /// Notes that a file is sound which this program has just written. What fails here costs the next one time, and nothing else.
     pub fn add_own(&self, file: &Metadata) {
-        let Some(identity) = identity(file) else { return };
+        let Some(note) = identity(file).and_then(|identity| self.note(&identity)) else { return };
         if fs::create_dir_all(&self.folder).is_ok() {
             self.make_room();
-            let _ = fs::File::create(self.note(&identity));
+            let _ = fs::File::create(note);
         }
     }
 
-    fn note(&self, identity: &[u8]) -> PathBuf {
+    fn note(&self, identity: &[u8]) -> Option<PathBuf> {
         let mut hasher = blake3::Hasher::new();
-        hasher.update(identity).update(&program());
-        self.folder.join(hasher.finalize().to_hex().as_str())
+        hasher.update(identity).update(&program()?);
+        Some(self.folder.join(hasher.finalize().to_hex().as_str()))
     }
 
     /// Removes the oldest half of the notes where there are too many.
@@ -89,24 +97,22 @@ fn identity(_: &Metadata) -> Option<Vec<u8>> {
     None
 }
 
-/// How long ago the file was last changed, its name, owner and permissions included.
+/// When the file was last changed, its name, owner and permissions included.
 #[cfg(unix)]
-fn age(file: &Metadata) -> Option<Duration> {
+fn changed(file: &Metadata) -> Option<SystemTime> {
     use std::os::unix::fs::MetadataExt;
-    use std::time::SystemTime;
     let since_epoch = Duration::new(file.ctime().try_into().ok()?, file.ctime_nsec().try_into().ok()?);
-    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH + since_epoch).ok()
+    SystemTime::UNIX_EPOCH.checked_add(since_epoch)
 }
 
 #[cfg(not(unix))]
-fn age(_: &Metadata) -> Option<Duration> {
+fn changed(_: &Metadata) -> Option<SystemTime> {
     None
 }
 
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::time::SystemTime;
 
     fn written(path: &Path, text: &str) -> Metadata {
         fs::write(path, text).expect("written");
@@ -120,10 +126,12 @@ mod tests {
         let path = folder.path().join("a");
         let first = written(&path, "one");
         assert!(!notes.has(&first));
-        // As young as a clock's tick.
-        notes.add(&first, &first);
-        assert!(!notes.has(&first));
-        notes.add_own(&first);
+        // As young as a clock's tick, and from a future that the clock does not know yet.
+        for clock in [changed(&first).expect("dated"), SystemTime::UNIX_EPOCH] {
+            notes.add_at(&first, &first, clock);
+            assert!(!notes.has(&first));
+        }
+        notes.add_at(&first, &first, changed(&first).expect("dated") + SETTLED);
         assert!(notes.has(&first));
         // Of the same size and with the same time of change, but not of the change of that.
         fs::File::options()
@@ -146,8 +154,10 @@ mod tests {
         let path = folder.path().join("a");
         let before = written(&path, "one");
         let now = written(&path, "other");
-        notes.add(&before, &now);
+        notes.add_at(&before, &now, changed(&now).expect("dated") + SETTLED);
         assert!(!notes.has(&before) && !notes.has(&now));
+        notes.add_own(&now);
+        assert!(!notes.has(&before) && notes.has(&now));
     }
 
     #[test]

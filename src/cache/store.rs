@@ -1,9 +1,10 @@
 //! Scenes baked before: `.trimray` files in a folder, named by what they were baked from and how.
 //!
 //! A name is a hash of the source's bytes, of the options and of the program, so that no name ever stands for two scenes: a file that is there is right,
-//! and one that is damaged is as good as none. The folder is kept below a size; what was not used for longest goes first. Whatever fails here
+//! and one that is found damaged is as good as none. The folder is kept below a size; what was not used for longest goes first. Whatever fails here
 //! costs time only: callers bake as if there were no folder.
 
+use super::program::program;
 use super::sound::SoundFiles;
 use super::{CacheError, CacheFile, Provenance, write};
 use crate::scene::Scene;
@@ -28,17 +29,9 @@ impl Key {
     /// Of a source by its hash. `how` tells all options in words; they need not be stable from one version of the program to the next.
     pub fn new(source_hash: [u8; 32], how: &str) -> Self {
         let mut hasher = blake3::Hasher::new();
-        hasher.update(&source_hash).update(how.as_bytes()).update(&program());
+        hasher.update(&source_hash).update(how.as_bytes()).update(&program().unwrap_or_default());
         Self(hasher.finalize())
     }
-}
-
-/// What tells one build of the program from another: version, size and time of its file. So whoever changes the bake never meets a scene of the old one.
-pub(super) fn program() -> Vec<u8> {
-    let file = std::env::current_exe().and_then(fs::metadata);
-    let time = |m: &fs::Metadata| m.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok();
-    let built = file.ok().map(|m| (m.len(), time(&m)));
-    format!("{} {built:?}", env!("CARGO_PKG_VERSION")).into_bytes()
 }
 
 /// A folder of baked scenes.
@@ -46,44 +39,58 @@ pub(super) fn program() -> Vec<u8> {
 pub struct Store {
     folder: PathBuf,
     most_bytes: u64,
+    /// Of a folder in which nobody else writes.
+    sound: Option<SoundFiles>,
 }
 
 impl Store {
-    /// In a folder, which need not exist yet.
+    /// In a folder, which need not exist yet. Others may write there: every scene is checked when it is found.
     pub fn new(folder: PathBuf) -> Self {
-        Self { folder, most_bytes: MOST_BYTES }
+        Self { folder, most_bytes: MOST_BYTES, sound: None }
+    }
+
+    /// In a folder of the user's own: scenes that were found sound are not checked again.
+    pub fn private(folder: PathBuf) -> Self {
+        let sound = Some(SoundFiles::new(folder.join(SOUND)));
+        Self { sound, ..Self::new(folder) }
     }
 
     /// In the user's folder for such things, where there is one: `~/.cache/trimray`, on macOS `~/Library/Caches/trimray`, on Windows
     /// `%LOCALAPPDATA%\trimray`.
     pub fn of_user() -> Option<Self> {
-        Some(Self::new(dirs::cache_dir()?.join("trimray")))
+        Some(Self::private(dirs::cache_dir()?.join("trimray")))
     }
 
-    /// Opens a file anywhere; one that was found sound before, and has not been changed since, is not checked again.
+    /// Opens a file anywhere; one that is noted as sound, and has not been changed since, is not checked again.
     ///
     /// # Errors
     ///
     /// Those of [`CacheFile::open`].
     pub fn open(&self, path: &Path) -> Result<CacheFile, CacheError> {
-        CacheFile::open_unless_sound(path, Some(&self.sound_files()))
-    }
-
-    fn sound_files(&self) -> SoundFiles {
-        SoundFiles::new(self.folder.join(SOUND))
+        CacheFile::open_unless_sound(path, self.sound.as_ref())
     }
 
     /// The scene of a key, if it is there and sound.
     pub fn find(&self, key: &Key) -> Option<CacheFile> {
         let path = self.path(key);
         let file = self.open(&path).ok()?;
-        // Its age counts from now on, not quite, for files that change are checked again; where that cannot be noted it goes a little earlier.
-        let used = fs::metadata(&path).and_then(|metadata| metadata.modified()).ok();
-        if used.and_then(|used| used.elapsed().ok()).is_none_or(|age| age > LEAST_AGE) {
-            let _ =
-                fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
-        }
+        // Its age counts from now on; where that cannot be noted it goes a little earlier.
+        let _ = self.touch(&path);
         Some(file)
+    }
+
+    /// Dates a sound scene anew, and notes it as sound as it then is. Not every time: ages need not be known that well.
+    fn touch(&self, path: &Path) -> std::io::Result<()> {
+        let file = fs::File::options().append(true).open(path)?;
+        let age = file.metadata()?.modified()?.elapsed();
+        if age.is_ok_and(|age| age < LEAST_AGE) {
+            return Ok(());
+        }
+        file.set_modified(SystemTime::now())?;
+        if let Some(sound) = &self.sound {
+            sound.add_own(&file.metadata()?);
+        }
+        Ok(())
     }
 
     /// Keeps a scene, which has been validated; others go where there is no room for it. One larger than the folder may be is not kept.
@@ -95,9 +102,9 @@ impl Store {
         let path = self.path(key);
         fs::create_dir_all(&self.folder)
             .map_err(|source| CacheError::Io { path: self.folder.clone(), source })?;
-        write(&path, scene, provenance)?;
-        if let Ok(written) = fs::metadata(&path) {
-            self.sound_files().add_own(&written);
+        let written = write(&path, scene, provenance)?;
+        if let (Some(sound), Ok(written)) = (&self.sound, written.metadata()) {
+            sound.add_own(&written);
         }
         self.make_room();
         Ok(())
@@ -165,7 +172,7 @@ mod tests {
     #[test]
     fn a_damaged_scene_is_none() {
         let folder = tempfile::tempdir().expect("a folder");
-        let store = Store::new(folder.path().to_owned());
+        let store = Store::private(folder.path().to_owned());
         let key = Key::new([1; 32], "");
         store.keep(&key, &buffers().scene(), &provenance()).expect("written");
         assert!(store.find(&key).is_some());
@@ -173,7 +180,7 @@ mod tests {
         let bytes = fs::read(&path).expect("there");
         fs::write(&path, &bytes[..bytes.len() / 2]).expect("cut");
         assert!(store.find(&key).is_none());
-        // As long as before, and with a node that is its own child.
+        // As long as before, but unsound.
         let mut changed = bytes.clone();
         let scene_of = |bytes: &[u8]| CacheFile::from_bytes(bytes).is_ok();
         let at = (0..changed.len()).rev().find(|&at| {
@@ -192,18 +199,35 @@ mod tests {
     #[test]
     fn what_was_found_sound_is_not_checked_again_until_it_changes() {
         let folder = tempfile::tempdir().expect("a folder");
-        let store = Store::new(folder.path().to_owned());
+        let store = Store::private(folder.path().to_owned());
         let mut buffers = buffers();
         buffers.materials[0].opacity = 7.0;
         let key = Key::new([1; 32], "");
         // The store takes its word for it, which tells that it does not look.
         store.keep(&key, &buffers.scene(), &provenance()).expect("written");
         assert!(CacheFile::open(&store.path(&key)).is_err());
+        assert!(Store::new(folder.path().to_owned()).find(&key).is_none(), "others may write there");
         if cfg!(unix) {
             assert!(store.find(&key).is_some());
         }
         date(&store.path(&key), Duration::from_secs(1000));
         assert!(store.find(&key).is_none());
+    }
+
+    #[test]
+    fn a_scene_of_long_ago_is_noted_as_it_is_dated() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::private(folder.path().to_owned());
+        let key = Key::new([1; 32], "");
+        store.keep(&key, &buffers().scene(), &provenance()).expect("written");
+        let path = store.path(&key);
+        date(&path, Duration::from_secs(100_000));
+        let sound = store.sound.as_ref().expect("private");
+        let is_noted = || sound.has(&fs::metadata(&path).expect("there"));
+        assert!(!is_noted());
+        assert!(store.find(&key).is_some());
+        let age = fs::metadata(&path).and_then(|m| m.modified()).expect("there").elapsed();
+        assert!(age.is_ok_and(|age| age < LEAST_AGE) && is_noted() == cfg!(unix));
     }
 
     #[test]

@@ -6,15 +6,20 @@ use super::format::{
 use super::{CacheError, Provenance};
 use crate::scene::Scene;
 use bytemuck::Pod;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes `scene` to a temporary file beside `path` and renames it.
-pub fn write(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> Result<(), CacheError> {
+/// Writes `scene` to a temporary file beside `path` and renames it; the file.
+///
+/// # Errors
+///
+/// It cannot be written.
+pub fn write(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> Result<File, CacheError> {
     write_file(path, scene, provenance).map_err(|source| CacheError::Io { path: path.to_owned(), source })
 }
 
-fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Result<()> {
+fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Result<File> {
     let metadata = postcard::to_stdvec(scene.metadata).map_err(io::Error::other)?;
     let mut sections: Vec<(Section, u32, &[u8])> = vec![
         (Section::Header, size_of::<crate::scene::Header>() as u32, bytemuck::bytes_of(scene.header)),
@@ -89,8 +94,7 @@ fn write_file(path: &Path, scene: &Scene<'_>, provenance: &Provenance) -> io::Re
     debug_assert_eq!(written, end);
     out.flush()?;
     drop(out);
-    temporary.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    temporary.persist(path).map_err(|error| error.error)
 }
 
 /// Adds an array; an empty one gets no section.

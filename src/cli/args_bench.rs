@@ -30,9 +30,9 @@ pub(super) enum BenchCommand {
 ///
 /// `decode` is the decoding of all entities that shape refers to, each once, on one thread, measured on its own; the mapping decodes
 /// what it reaches by itself, so `map` includes that work and the sums leave `decode` out. Trim trees, nets and leaves are parts of the bake: their work over
-/// the threads that share it. `open, first ray` opens the written `.trimray` file anew and traces one ray, `find
-/// kept, first ray` does so with a scene that was kept, which is not checked again. `compile` is a picture of one pixel, frames are
-/// pictures without settings, primary rays see lamps but no sky; random rays are chords of the scene's sphere, and on a GPU their rate includes the transfers.
+/// the threads that share it. `open, first ray` opens the written `.trimray` file anew and traces one ray;
+/// `find kept, first ray` does so with a scene that was kept, which is not checked again. `compile` is a picture of one pixel, frames are pictures without settings,
+/// primary rays see lamps but no sky; random rays are chords of the scene's sphere, and on a GPU their rate includes the transfers.
 /// `kernel` is a GPU's kernel alone: the first hits of rays that the device holds, and its rate is that of those rays that can meet the scene.
 #[derive(Debug, Args)]
 #[command(after_help = "\

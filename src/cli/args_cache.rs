@@ -12,10 +12,11 @@ const WORTH_KEEPING: f64 = 0.1;
 pub(super) struct CacheArguments {
     /// Keep what is baked from CAD files in this folder, and look there first [default: the user's folder for caches, trimray in it].
     ///
-    /// A scene is found again by the file's contents, the options of the bake and the program; the folder is kept below 4 GB.
+    /// A scene is found again by the file's contents, the options of the bake and the program; the folder is kept below 4 GB. What is found there is checked
+    /// every time, in the user's own folder once, as `.trimray` files are, until they change.
     #[arg(long, value_name = "FOLDER", conflicts_with = "no_cache", help_heading = "Cache")]
     pub(super) cache_dir: Option<PathBuf>,
-    /// Keep nothing, and look for nothing that was kept.
+    /// Keep nothing, look for nothing that was kept, and check `.trimray` files as if they had never been opened.
     #[arg(long, help_heading = "Cache")]
     pub(super) no_cache: bool,
 }

@@ -55,11 +55,23 @@ fn develop([red, green, blue, alpha]: [f32; 4], full: f64, encode: fn(f64) -> u1
 
 /// The 8-bit sRGB code, 0 to 255, whose light is nearest in code space: `round(255 · encode(linear))`, clamped; NaN is black.
 ///
-/// The code is the number of half-way points at or below the light, which needs no power function and rounds exactly.
+/// The code is the number of half-way points at or below the light, which needs no power function and rounds exactly. Of those at or below the next smaller
+/// multiple of 1 / [`SHADES`] the number is known.
 pub fn encode_srgb(linear: f64) -> u16 {
     static HALF_WAYS: LazyLock<Vec<f64>> = LazyLock::new(|| half_ways(255));
-    HALF_WAYS.partition_point(|&half_way| half_way <= linear) as u16
+    static CODES: LazyLock<Vec<u16>> = LazyLock::new(|| {
+        let shades = (0..SHADES).map(|shade| shade as f64 / SHADES as f64);
+        shades.map(|shade| HALF_WAYS.partition_point(|&half_way| half_way <= shade) as u16).collect()
+    });
+    // A product with a power of two is exact, and the conversion takes what is no number, or less than 0, for 0.
+    let shade = ((linear * SHADES as f64) as usize).min(SHADES - 1);
+    let code = CODES[shade];
+    let above = HALF_WAYS[usize::from(code)..].iter().take_while(|&&half_way| half_way <= linear);
+    code + above.count() as u16
 }
+
+/// So many that there is about one half-way point between them where they are densest.
+const SHADES: usize = 4096;
 
 /// The same in 16 bits.
 fn encode_srgb_deep(linear: f64) -> u16 {
@@ -101,6 +113,16 @@ mod tests {
         assert_eq!(encode_srgb(f64::NAN), 0);
         assert_eq!(encode_srgb(7.0), 255);
         assert_eq!(encode_srgb(f64::INFINITY), 255);
+    }
+
+    #[test]
+    fn codes_are_numbers_of_half_way_points() {
+        let half_ways = half_ways(255);
+        let shades = (0..=3 * SHADES).map(|i| (i as f64 - 10.0) / (2 * SHADES) as f64);
+        for light in half_ways.iter().copied().chain(shades).flat_map(|x| [x.next_down(), x, x.next_up()]) {
+            let below = half_ways.iter().filter(|&&half_way| half_way <= light).count();
+            assert_eq!(usize::from(encode_srgb(light)), below, "{light}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The baked layout: flat Pod arrays that are at once the cache file, the memory map and the GPU's buffers.
 //!
 //! This is the second waist of the chain. Nothing here knows a knot vector, an edge or a file format. A [`Scene`] borrows its
-//! arrays, from a [`SceneBuffers`] just baked or from a mapped file; both are checked by [`validate`] before use.
+//! arrays, from a [`SceneBuffers`] just baked or from a mapped file; both are checked by [`validate`] before use, a file that has not been changed since once.
 //!
 //! # Spaces
 //!

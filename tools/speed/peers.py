@@ -5,7 +5,8 @@
     peers.py --bin target/release/trimray [--share 1e-3] [--json OUT] FILE|FOLDER...
 
 For each file and each of the three: seconds from the file to a picture of 1024 by 1024 pixels, a process of its own from start to end, and its peak of memory;
-millions of first hits a second on one thread, with the share of the rays that hit; and how far hits are off, 99.9 % of them, in diagonals of the model, against `trimray probe --precision f64`.
+millions of first hits a second on one thread, with the share of the rays that hit; and how far hits are off, 99.9 % of them, in diagonals of the model, against
+`trimray probe --precision f64`.
 
 f3d draws triangles, and has no rays to count. Open CASCADE meshes with a chord error of `--share` of the diagonal, and Embree traces the mesh through embreex,
 in float32 and without the anti-aliasing and ambient occlusion that trimray's picture has. Both find the first hits of the same rays, those of that picture from

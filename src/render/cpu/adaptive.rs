@@ -33,8 +33,9 @@ const MOST_BEND: f32 = 4.0 / 255.0;
 /// Pixels by which a surface may step towards the viewer unsampled.
 const MOST_STEP: f32 = 1.0;
 
-/// Rows of pixels whose centres one thread finds at a time.
-const ROWS_PER_BAND: usize = 8;
+/// Rows of pixels whose centres one thread finds at a time, at most: as few as leave each thread some bands.
+const MOST_ROWS_PER_BAND: usize = 8;
+const BANDS_PER_THREAD: usize = 8;
 
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
@@ -105,7 +106,8 @@ impl<'a> Centers<'a> {
     }
 
     fn pixels_per_band(&self) -> usize {
-        self.film.width.max(1) * ROWS_PER_BAND
+        let bands = BANDS_PER_THREAD * rayon::current_num_threads();
+        self.film.width.max(1) * (self.film.height / bands).clamp(1, MOST_ROWS_PER_BAND)
     }
 
     /// The pixels' places in bands.

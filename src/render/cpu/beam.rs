@@ -23,7 +23,7 @@ const LEAST_COMPONENT: f64 = 1e-6;
 /// Nodes that wait at most, as in `bvh`.
 const STACK_SIZE: usize = 7 * MAX_TREE_DEPTH + 1;
 
-/// Rays side by side. Their directions are as long as makes their component along the view 1: so those between rays at the corners lie between theirs.
+/// Rays side by side. Their directions are as long as makes their component along the view 1: so all of them lie between those at the corners.
 #[derive(Debug, Clone, Copy)]
 pub struct Beam {
     origin: Interval,
@@ -40,6 +40,7 @@ struct Interval {
 }
 
 impl Interval {
+    /// The least that holds some vectors.
     fn around(corners: [DVec3; 4]) -> Self {
         let [low, high] =
             [DVec3::min, DVec3::max].map(|of| corners.into_iter().reduce(of).unwrap_or_default());
@@ -260,7 +261,8 @@ mod tests {
         let turned = |random: &mut Random| {
             let turn = DQuat::from_euler(glam::EulerRot::XYZ, random.unit() * TAU, random.unit() * TAU, 0.3);
             DAffine3::from_scale_rotation_translation(
-                DVec3::splat(0.5 + random.unit()),
+                // Every other one a mirror image.
+                DVec3::new(1.0, 1.0, if random.unit() < 0.5 { -1.0 } else { 1.0 }) * (0.5 + random.unit()),
                 turn,
                 random.point(4.0),
             )
@@ -290,7 +292,7 @@ mod tests {
                 let within = Camera { position: DVec3::from_array(scene.header.world_anchor), ..framed };
                 let camera = [framed, framed, if orthographic { framed } else { far }, within][turn / 4 % 4];
                 left_out += blocks_left_out(&scene, &camera, &mut random);
-                blocks += 96;
+                blocks += RESOLUTION.iter().map(|&n| n as usize / BLOCK).product::<usize>();
             }
         }
         assert!(left_out * 4 > blocks, "{left_out} of {blocks}");
