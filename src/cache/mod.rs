@@ -1,7 +1,7 @@
 //! The `.trimray` file: header, section table, page-aligned Pod sections, metadata.
 //!
-//! The sections are the arrays of a [`crate::scene::SceneBuffers`] as they stand in memory, so that opening a file is mapping it and checking it, once: what was found sound is noted. A
-//! section that a scene does not need is absent. The bytes depend on the scene and its provenance alone.
+//! The sections are the arrays of a [`crate::scene::SceneBuffers`] as they stand in memory, so that opening a file is mapping it and checking it,
+//! once: what was found sound is noted. A section that a scene does not need is absent. The bytes depend on the scene and its provenance alone.
 //! Integers and floats are little-endian; a file from a machine of the other kind is refused by its mark.
 
 mod format;

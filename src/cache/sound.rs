@@ -1,8 +1,8 @@
 //! Which files were found sound, so that whoever opens one of them again need not read all of it.
 //!
-//! A note is an empty file in a folder in which nobody but the user writes. Its name is a hash of the device, the inode, the size and the times of the file that it stands for, and of
-//! the program: a file that is changed or replaced has other times, and is checked again. Since clocks have ticks, a file from elsewhere is noted only once it
-//! is older than those.
+//! A note is an empty file in a folder in which nobody but the user writes. Its name is a hash of the device, the inode, the size and the times of the file that
+//! it stands for, and of the program: a file that is changed or replaced has other times, and is checked again. Since clocks have ticks, a file from elsewhere is
+//! noted only once it is older than those.
 //! Nothing in a cache file says that it is sound: others may have written it.
 //!
 //! It is the file system's word that is taken: what changes a file through a map of its own, or makes times up, is not noticed. Such a scene may end the program or
