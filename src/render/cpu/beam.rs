@@ -242,7 +242,7 @@ mod tests {
                 };
                 [0, 1].map(|k| low[k] as f64 + share[k] * BLOCK as f64)
             };
-            (0..40).map(|index| place(index)).map(|[x, y]| pixel_ray(camera, RESOLUTION, x, y)).collect()
+            (0..40).map(&mut place).map(|[x, y]| pixel_ray(camera, RESOLUTION, x, y)).collect()
         };
         for &low in &left_out {
             let rays = places(low);

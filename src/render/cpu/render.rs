@@ -77,7 +77,8 @@ fn find_center(shading: &Shading<'_, '_>, camera: &Camera, [x, y]: [u32; 2]) -> 
     shade_center(shading, camera, &ray, pixel_key(x, y))
 }
 
-/// What the centres of some pixels show, of the part that is rendered.
+/// What the centres of some pixels show, of the part that is rendered: those that a GPU gives up.
+#[cfg(feature = "gpu")]
 pub fn find_centers(
     scene: &Scene<'_>,
     camera: &Camera,
