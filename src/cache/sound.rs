@@ -9,6 +9,7 @@
 //! keep it from ending; memory stays safe, as everywhere in code that checks bounds.
 
 use super::program::program;
+use std::ffi::OsStr;
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -49,7 +50,7 @@ impl SoundFiles {
         }
     }
 
-    /// Notes that a file is sound which this program has just written. What fails here costs the next one time, and nothing else.
+    /// Notes that a file is sound which this program has just written, or dated. What fails here costs the next one time, and nothing else.
     pub fn add_own(&self, file: &Metadata) {
         let Some(note) = identity(file).and_then(|identity| self.note(&identity)) else { return };
         if fs::create_dir_all(&self.folder).is_ok() {
@@ -79,8 +80,12 @@ impl SoundFiles {
 
 /// Whether a file has a name that only [`SoundFiles::note`] gives.
 fn is_note(path: &Path) -> bool {
-    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    name.len() == 2 * blake3::OUT_LEN && name.bytes().all(|b| b.is_ascii_hexdigit())
+    path.file_name().is_some_and(is_hash)
+}
+
+/// Whether a name is a hash in hexadecimal.
+pub(super) fn is_hash(name: &OsStr) -> bool {
+    name.len() == 2 * blake3::OUT_LEN && name.as_encoded_bytes().iter().all(u8::is_ascii_hexdigit)
 }
 
 /// What changes with every change of a file; `None` where the system does not tell.

@@ -5,7 +5,7 @@
 //! costs time only: callers bake as if there were no folder.
 
 use super::program::program;
-use super::sound::SoundFiles;
+use super::sound::{SoundFiles, is_hash};
 use super::{CacheError, CacheFile, Provenance, write};
 use crate::scene::Scene;
 use std::fs;
@@ -140,9 +140,7 @@ impl Store {
 
 /// Whether a file has a name that only [`Store::path`] gives.
 fn is_ours(path: &Path) -> bool {
-    let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-    let is_hash = name.len() == 2 * blake3::OUT_LEN && name.bytes().all(|b| b.is_ascii_hexdigit());
-    is_hash && path.extension().is_some_and(|extension| extension == "trimray")
+    path.file_stem().is_some_and(is_hash) && path.extension().is_some_and(|extension| extension == "trimray")
 }
 
 #[cfg(test)]
