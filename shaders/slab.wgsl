@@ -12,7 +12,7 @@ struct SlabHit {
     leave: f32,
     unique: bool,
     flat_leaf: bool,
-    // Whether the ray meets the slab at all: `None` of the twin.
+    // Whether the ray is inside somewhere between `near` and `far`.
     meets: bool,
 }
 
@@ -44,13 +44,13 @@ fn intersect_slab(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> SlabHit 
     let rounding = (greatest(center) + greatest(ray.origin) + greatest(r)) * 8.0 * EPSILON;
     let reach_u = 0.5 + net_leaves[leaf].extent_u + rounding * greatest(row_u);
     let reach_v = 0.5 + net_leaves[leaf].extent_v + rounding * greatest(row_v);
-    var bounds = vec2<f32>(near, far);
+    var bounds = vec2<f32>(-INFINITE, INFINITE);
     cut(hit.at.x, hit.along.x, reach_u, &bounds);
     cut(hit.at.y, hit.along.y, reach_v, &bounds);
     cut(hit.at.z, hit.along.z, extent_n + rounding, &bounds);
     hit.enter = bounds.x;
     hit.leave = bounds.y;
-    hit.meets = bounds.x <= bounds.y;
+    hit.meets = max(bounds.x, near) <= min(bounds.y, far);
     let e = certificate(leaf);
     let gamma = e.z * sqrt(min(aa, bb));
     let across = abs(hit.along.z) * (1.0 - CERTIFICATE_ROUNDING);
@@ -80,9 +80,9 @@ fn flat_slab(
         return hit;
     }
     let chord = sqrt(under_root / dd);
-    hit.enter = max(near, middle - chord);
-    hit.leave = min(far, middle + chord);
-    hit.meets = hit.enter <= hit.leave;
+    hit.enter = middle - chord;
+    hit.leave = middle + chord;
+    hit.meets = max(hit.enter, near) <= min(hit.leave, far);
     hit.flat_leaf = true;
     return hit;
 }

@@ -1,72 +1,27 @@
 //! The scalar of the tracers: one text of each kernel, compiled for f32 and for f64.
 
-use std::fmt::{Debug, Display};
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use super::number::Number;
+use std::fmt::Display;
+use std::ops::{DivAssign, SubAssign};
 
 /// A floating-point number, f32 or f64.
-pub trait Real:
-    Copy
-    + PartialOrd
-    + Default
-    + Debug
-    + Display
-    + Send
-    + Sync
-    + 'static
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + AddAssign
-    + SubAssign
-    + MulAssign
-    + DivAssign
-{
-    /// 0.
-    const ZERO: Self;
-    /// 1.
-    const ONE: Self;
-    /// Positive infinity.
-    const INFINITY: Self;
-    /// The distance from 1 to the next number.
-    const EPSILON: Self;
-
-    /// The nearest number.
-    fn from_f64(value: f64) -> Self;
-    /// Exact.
-    fn from_f32(value: f32) -> Self;
+pub trait Real: Number<Mask = bool, Whole = i32> + PartialOrd + Display + SubAssign + DivAssign {
     /// Exact.
     fn to_f64(self) -> f64;
     /// The integer part, held to the range of the type.
     fn to_u32(self) -> u32;
-    /// `|self|`.
-    fn abs(self) -> Self;
-    /// The square root.
-    fn sqrt(self) -> Self;
-    /// The angle of the point `(x, self)`, in (−π, π].
-    fn atan2(self, x: Self) -> Self;
-    /// The lesser; `other` where one is not a number.
-    fn min(self, other: Self) -> Self;
-    /// The greater; `other` where one is not a number.
-    fn max(self, other: Self) -> Self;
-    /// `self · a + b`, rounded once.
-    fn mul_add(self, a: Self, b: Self) -> Self;
-    /// The greatest integer not above.
-    fn floor(self) -> Self;
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
     /// The cube root.
     fn cbrt(self) -> Self;
-    /// Neither infinite nor "not a number".
-    fn is_finite(self) -> bool;
-    /// ±1 with the sign of `self`, signed zeros included.
-    fn signum(self) -> Self;
 }
 
 macro_rules! impl_real {
     ($t:ident) => {
-        impl Real for $t {
+        impl Number for $t {
+            type Mask = bool;
+            type Whole = i32;
+
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const INFINITY: Self = $t::INFINITY;
@@ -81,12 +36,8 @@ macro_rules! impl_real {
                 value as $t
             }
             #[inline(always)]
-            fn to_f64(self) -> f64 {
-                self as f64
-            }
-            #[inline(always)]
-            fn to_u32(self) -> u32 {
-                self as u32
+            fn from_whole(value: i32) -> Self {
+                value as $t
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -117,20 +68,43 @@ macro_rules! impl_real {
                 $t::floor(self)
             }
             #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                $t::sin_cos(self)
-            }
-            #[inline(always)]
-            fn cbrt(self) -> Self {
-                $t::cbrt(self)
+            fn signum(self) -> Self {
+                $t::signum(self)
             }
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
             #[inline(always)]
-            fn signum(self) -> Self {
-                $t::signum(self)
+            fn is_less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn is_at_most(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn choose(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+        }
+
+        impl Real for $t {
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn to_u32(self) -> u32 {
+                self as u32
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $t::sin_cos(self)
+            }
+            #[inline(always)]
+            fn cbrt(self) -> Self {
+                $t::cbrt(self)
             }
         }
     };
@@ -140,12 +114,12 @@ impl_real!(f64);
 
 #[cfg(test)]
 mod tests {
-    use super::Real;
+    use super::Number;
 
     #[test]
     fn the_other_is_taken_where_one_is_no_number() {
-        assert_eq!([Real::min(1.0, 2.0), Real::min(2.0, 1.0), Real::min(f64::NAN, 1.0)], [1.0; 3]);
-        assert_eq!([Real::max(1.0, 2.0), Real::max(2.0, 1.0), Real::max(f32::NAN, 2.0)], [2.0; 3]);
-        assert!(Real::min(1.0, f32::NAN).is_nan() && Real::max(1.0, f32::NAN).is_nan());
+        assert_eq!([Number::min(1.0, 2.0), Number::min(2.0, 1.0), Number::min(f64::NAN, 1.0)], [1.0; 3]);
+        assert_eq!([Number::max(1.0, 2.0), Number::max(2.0, 1.0), Number::max(f32::NAN, 2.0)], [2.0; 3]);
+        assert!(Number::min(1.0, f32::NAN).is_nan() && Number::max(1.0, f32::NAN).is_nan());
     }
 }

@@ -7,7 +7,7 @@
 use super::footprint::LONGEST;
 use super::torus::torus_roots;
 use super::vector::{Vector3, number, vec3};
-use crate::numeric::Real;
+use crate::numeric::{Mask, Number, Real};
 use crate::scene::FaceKind;
 
 /// Where a line meets a carrier, ascending.
@@ -71,56 +71,72 @@ pub fn carrier_roots<T: Real>(
     radii: [T; 2],
     span: &Span<T>,
 ) -> Roots<T> {
-    if kind == FaceKind::Plane as u32 {
-        plane_roots(origin, direction)
-    } else if kind == FaceKind::Cylinder as u32 {
-        cylinder_roots(origin, direction, radii[0])
-    } else if kind == FaceKind::Cone as u32 {
-        cone_roots(origin, direction, radii[0], radii[1])
-    } else if kind == FaceKind::Sphere as u32 {
-        sphere_roots(origin, direction, radii[0])
-    } else {
+    if kind == FaceKind::Torus as u32 {
         torus_roots(origin, direction, radii[0], radii[1], span)
+    } else {
+        quadric_roots(kind, origin, direction, radii).roots()
+    }
+}
+
+/// Where lines meet a plane, a quadric: two distances at most.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<T: Number> {
+    /// Distances from the rays' origins, in units of the directions.
+    pub t: [T; 2],
+    /// Whether they are any.
+    pub exists: [T::Mask; 2],
+}
+
+impl<T: Number> Pair<T> {
+    fn of(first: T, second: T, exists: T::Mask) -> Self {
+        Self { t: [first, second], exists: [exists & first.is_finite(), exists & second.is_finite()] }
+    }
+}
+
+impl<T: Real> Pair<T> {
+    #[inline(always)]
+    fn roots(self) -> Roots<T> {
+        let mut roots = Roots::none();
+        for (t, exists) in self.t.into_iter().zip(self.exists) {
+            if exists {
+                roots.insert(t);
+            }
+        }
+        roots
     }
 }
 
 /// `z = 0`.
-#[inline]
-pub fn plane_roots<T: Real>(o: Vector3<T>, d: Vector3<T>) -> Roots<T> {
-    let mut roots = Roots::none();
-    roots.insert(-o.z / d.z);
-    roots
+#[inline(always)]
+pub fn plane_roots<T: Number>(o: Vector3<T>, d: Vector3<T>) -> Pair<T> {
+    let t = -o.z / d.z;
+    Pair { t: [t, t], exists: [t.is_finite(), Mask::everywhere(false)] }
 }
 
 /// `x² + y² = r²`.
-#[inline]
-pub fn cylinder_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
-    let across = vec3(d.x, d.y, T::ZERO);
-    closest_then_chord(vec3(o.x, o.y, T::ZERO), across, radius)
+#[inline(always)]
+pub fn cylinder_roots<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Pair<T> {
+    closest_then_chord(vec3(o.x, o.y, T::ZERO), vec3(d.x, d.y, T::ZERO), radius)
 }
 
 /// `x² + y² + z² = r²`.
-#[inline]
-pub fn sphere_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
+#[inline(always)]
+pub fn sphere_roots<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Pair<T> {
     closest_then_chord(o, d, radius)
 }
 
 /// `|o + t d| = radius`.
 #[inline(always)]
-fn closest_then_chord<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Roots<T> {
-    let mut roots = Roots::none();
+fn closest_then_chord<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T) -> Pair<T> {
     let dd = d.dot(d);
     let slide = -o.dot(d) / dd;
     let closest = d.fused(slide, o);
     let distance = closest.length();
     let under_root = (radius - distance) * (radius + distance);
     // What roundings keep from 0 touches.
-    if under_root >= -number::<T>(2.0) * T::EPSILON * radius * (radius + o.length()) {
-        let half = (under_root.max(T::ZERO) / dd).sqrt();
-        roots.insert(slide - half);
-        roots.insert(slide + half);
-    }
-    roots
+    let touches = (-number::<T>(2.0) * T::EPSILON * radius * (radius + o.length())).is_at_most(under_root);
+    let half = (under_root.max(T::ZERO) / dd).sqrt();
+    Pair::of(slide - half, slide + half, touches)
 }
 
 /// Sizes of the cone that its ray may slide by: as many times its roundings are polished away.
@@ -130,13 +146,12 @@ const FARTHEST_SLIDE: f64 = 64.0;
 ///
 /// The discriminant of a cone has no such form as a sphere's; three Newton steps on the implicit, evaluated at the root, make up for what
 /// its rounding costs.
-#[inline]
-pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) -> Roots<T> {
-    let mut roots = Roots::none();
+#[inline(always)]
+pub fn cone_roots<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) -> Pair<T> {
     // The closest approach to the axis, unless it is far off, as it is for rays along the axis. What the way there and back rounds is polished away.
     let slide = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
-    let is_near = slide.abs() * d.length() <= number::<T>(FARTHEST_SLIDE) * (o.length() + radius.abs());
-    let slide = if is_near { slide } else { T::ZERO };
+    let farthest = number::<T>(FARTHEST_SLIDE) * (o.length() + radius.abs());
+    let slide = T::choose((slide.abs() * d.length()).is_at_most(farthest), slide, T::ZERO);
     let p = d.fused(slide, o);
     let (rho, drho) = (radius + slope * p.z, slope * d.z);
     let a = (d.x * d.x + d.y * d.y) - drho * drho;
@@ -145,17 +160,18 @@ pub fn cone_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T) ->
     let discriminant = b * b - a * c;
     // What roundings keep from 0 touches.
     let terms = ((d.x * d.x + d.y * d.y) + drho * drho) * ((p.x * p.x + p.y * p.y) + rho * rho);
-    if discriminant >= -number::<T>(2.0) * T::EPSILON * terms {
-        let q = -(b + b.signum() * discriminant.max(T::ZERO).sqrt());
-        roots.insert(polish_cone(o, d, radius, slope, slide + q / a));
-        roots.insert(polish_cone(o, d, radius, slope, slide + c / q));
+    let touches = (-number::<T>(2.0) * T::EPSILON * terms).is_at_most(discriminant);
+    if !touches.any() {
+        return Pair::of(T::ZERO, T::ZERO, touches);
     }
-    roots
+    let q = -(b + b.signum() * discriminant.max(T::ZERO).sqrt());
+    let polished = |start: T| polish_cone(o, d, radius, slope, start);
+    Pair::of(polished(slide + q / a), polished(slide + c / q), touches)
 }
 
 /// `|(x, y)| − |r + k z|` at a point of a ray, and its change along the ray.
 #[inline(always)]
-fn cone_residual_and_change<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, t: T) -> [T; 2] {
+fn cone_residual_and_change<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, t: T) -> [T; 2] {
     let p = o + d * t;
     let across = (p.x * p.x + p.y * p.y).sqrt();
     let rho = radius + slope * p.z;
@@ -163,30 +179,49 @@ fn cone_residual_and_change<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, sl
 }
 
 /// Newton's method on `|(x, y)| − |r + k z|`, as long as that gets less: beside a tangent, which has no root to go to, a step is as long as you like.
-fn polish_cone<T: Real>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
+#[inline(always)]
+fn polish_cone<T: Number>(o: Vector3<T>, d: Vector3<T>, radius: T, slope: T, start: T) -> T {
     let mut t = start;
     let [mut residual, mut change] = cone_residual_and_change(o, d, radius, slope, t);
+    let mut falls = T::Mask::everywhere(true);
     for _ in 0..3 {
         let next = t - residual / change;
         let [left, next_change] = cone_residual_and_change(o, d, radius, slope, next);
-        if !(left.abs() < residual.abs()) {
+        falls = falls & left.abs().is_less(residual.abs());
+        if !falls.any() {
             break;
         }
-        (t, residual, change) = (next, left, next_change);
+        let choose = |yes, no| T::choose(falls, yes, no);
+        (t, residual, change) = (choose(next, t), choose(left, residual), choose(next_change, change));
     }
     t
 }
 
+/// Where lines meet a plane, a cylinder, a cone or a sphere, in no order.
+#[inline(always)]
+pub fn quadric_roots<T: Number>(kind: u32, o: Vector3<T>, d: Vector3<T>, radii: [T; 2]) -> Pair<T> {
+    if kind == FaceKind::Plane as u32 {
+        plane_roots(o, d)
+    } else if kind == FaceKind::Cylinder as u32 {
+        cylinder_roots(o, d, radii[0])
+    } else if kind == FaceKind::Cone as u32 {
+        cone_roots(o, d, radii[0], radii[1])
+    } else {
+        sphere_roots(o, d, radii[0])
+    }
+}
+
 /// Surface parameters of a point of the carrier, in the carrier's frame; angles in (−π, π].
-#[inline]
-pub fn carrier_parameters<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [T; 2] {
+#[inline(always)]
+pub fn carrier_parameters<T: Number>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [T; 2] {
+    let minus_where = |is_negative: T::Mask| T::choose(is_negative, -T::ONE, T::ONE);
     if kind == FaceKind::Plane as u32 {
         [p.x, p.y]
     } else if kind == FaceKind::Cylinder as u32 {
         [p.y.atan2(p.x), p.z]
     } else if kind == FaceKind::Cone as u32 {
         // Beyond the apex the radius is negative and u points the other way.
-        let side = if radii[0] + radii[1] * p.z < T::ZERO { -T::ONE } else { T::ONE };
+        let side = minus_where((radii[0] + radii[1] * p.z).is_less(T::ZERO));
         [(p.y * side).atan2(p.x * side), p.z]
     } else {
         let across = (p.x * p.x + p.y * p.y).sqrt();
@@ -194,7 +229,7 @@ pub fn carrier_parameters<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [
             return [p.y.atan2(p.x), p.z.atan2(across)];
         }
         let [signed, beyond] = tube_place(p, across, radii);
-        let side = if signed < T::ZERO { -T::ONE } else { T::ONE };
+        let side = minus_where(signed.is_less(T::ZERO));
         [(p.y * side).atan2(p.x * side), p.z.atan2(beyond)]
     }
 }
@@ -223,8 +258,8 @@ pub fn carrier_normal<T: Real>(kind: u32, uv: [T; 2], radii: [T; 2]) -> Vector3<
 }
 
 /// S_u and S_v at a point of the carrier, in the carrier's frame. Not finite where they are not defined: on the axis of spheres, cones and tori.
-#[inline]
-pub fn carrier_tangents<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Vector3<T>; 2] {
+#[inline(always)]
+pub fn carrier_tangents<T: Number>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Vector3<T>; 2] {
     if kind == FaceKind::Plane as u32 {
         return [vec3(T::ONE, T::ZERO, T::ZERO), vec3(T::ZERO, T::ONE, T::ZERO)];
     }
@@ -235,7 +270,8 @@ pub fn carrier_tangents<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Ve
     let across = (p.x * p.x + p.y * p.y).sqrt();
     if kind == FaceKind::Cone as u32 {
         // The point at height z is (radius + slope z) from the axis; that is negative beyond the apex.
-        let change = radii[1] / if radii[0] + radii[1] * p.z < T::ZERO { -across } else { across };
+        let is_beyond = (radii[0] + radii[1] * p.z).is_less(T::ZERO);
+        let change = radii[1] / T::choose(is_beyond, -across, across);
         return [around, vec3(p.x * change, p.y * change, T::ONE)];
     }
     if kind == FaceKind::Sphere as u32 {
@@ -246,8 +282,8 @@ pub fn carrier_tangents<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> [Ve
 }
 
 /// A bound of the normal curvatures at a point of the carrier, in the carrier's frame.
-#[inline]
-pub fn carrier_curvature<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> T {
+#[inline(always)]
+pub fn carrier_curvature<T: Number>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> T {
     if kind == FaceKind::Plane as u32 {
         return T::ZERO;
     }
@@ -263,12 +299,13 @@ pub fn carrier_curvature<T: Real>(kind: u32, p: Vector3<T>, radii: [T; 2]) -> T 
 
 /// Of the two tube circles in the half-plane of a torus' point (the far one counts for spindles) the one it lies on: the point's distance from
 /// the axis, negative on the far one, and how far that is beyond the circle's centre.
-#[inline]
-fn tube_place<T: Real>(p: Vector3<T>, across: T, radii: [T; 2]) -> [T; 2] {
+#[inline(always)]
+fn tube_place<T: Number>(p: Vector3<T>, across: T, radii: [T; 2]) -> [T; 2] {
     let squares = p.z * p.z - radii[1] * radii[1];
     let near = (across - radii[0]) * (across - radii[0]) + squares;
     let far = (across + radii[0]) * (across + radii[0]) + squares;
-    if far.abs() < near.abs() { [-across, -across - radii[0]] } else { [across, across - radii[0]] }
+    let signed = T::choose(far.abs().is_less(near.abs()), -across, across);
+    [signed, signed - radii[0]]
 }
 
 #[cfg(test)]
@@ -297,7 +334,7 @@ mod tests {
             let origin = [0, 1, 2].map(|k| (on[k] + normal[k] * height - direction[k] * back) as f32);
             let (origin, direction) =
                 (Vector3 { x: origin[0], y: origin[1], z: origin[2] }, Vector3::<f32>::from_f64(direction));
-            let roots = cone_roots(origin, direction, radius as f32, slope as f32);
+            let roots = cone_roots(origin, direction, radius as f32, slope as f32).roots();
             for &t in &roots.t[..roots.count] {
                 let p = origin + direction * t;
                 let off = f64::from(p.x).hypot(p.y.into()) - (radius + slope * f64::from(p.z)).abs();

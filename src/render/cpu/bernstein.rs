@@ -3,7 +3,7 @@
 use super::Kernel;
 use super::lanes::Octet;
 use super::vector::Vector3;
-use crate::numeric::Real;
+use crate::numeric::{Eight, Number};
 use crate::scene::{Net, Scene};
 
 /// One more than the highest degree of a net.
@@ -30,7 +30,7 @@ const fn binomials() -> [[f32; MAX_ORDER]; MAX_ORDER] {
 /// The basis functions of `degree`, at least 1, at `t` and their derivatives, from those of the degree below, `binomial(m, i) tⁱ (1 − t)ᵐ⁻ⁱ`, each a product of
 /// m + 1 roundings. `ORDER`, above the degree, is the room: small arrays stay in registers.
 #[inline(always)]
-pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
+pub fn basis_and_slopes<T: Number, const ORDER: usize>(degree: usize, t: T) -> ([T; ORDER], [T; ORDER]) {
     let mut basis = [T::ZERO; ORDER];
     let mut slopes = [T::ZERO; ORDER];
     let s = T::ONE - t;
@@ -55,7 +55,7 @@ pub fn basis_and_slopes<T: Real, const ORDER: usize>(degree: usize, t: T) -> ([T
 }
 
 /// Homogeneous value of a net at a point, and its derivatives by u and v.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct NetJet<T> {
     /// (x − about.x · w, …, w).
     pub value: [T; 4],
@@ -71,7 +71,36 @@ pub fn net_degrees(net: &Net) -> (usize, usize) {
     ((net.degrees & 0xff) as usize, (net.degrees >> 8 & 0xff) as usize)
 }
 
-/// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
+/// Numbers in which nets are evaluated.
+pub trait NetNumber: Number {
+    /// The net at (u, v), relative to `about`: a point nearby, so that sums do not carry the roundings of a far origin.
+    fn net_jet(scene: &Scene<'_>, net: &Net, about: Vector3<Self>, uv: [Self; 2]) -> NetJet<Self>;
+}
+
+impl NetNumber for f32 {
+    fn net_jet(scene: &Scene<'_>, net: &Net, about: Vector3<Self>, uv: [Self; 2]) -> NetJet<Self> {
+        net_jet(scene, net, about, uv)
+    }
+}
+
+impl NetNumber for f64 {
+    fn net_jet(scene: &Scene<'_>, net: &Net, about: Vector3<Self>, uv: [Self; 2]) -> NetJet<Self> {
+        net_jet(scene, net, about, uv)
+    }
+}
+
+impl NetNumber for Eight {
+    fn net_jet(scene: &Scene<'_>, net: &Net, about: Vector3<Self>, uv: [Self; 2]) -> NetJet<Self> {
+        let (points, degrees) = (scene.net_points, net_degrees(net));
+        match degrees {
+            (0..=3, 0..=3) => eight_jets_within::<4>(points, net, degrees, about, uv),
+            (0..=11, 0..=11) => eight_jets_within::<12>(points, net, degrees, about, uv),
+            _ => eight_jets_within::<MAX_ORDER>(points, net, degrees, about, uv),
+        }
+    }
+}
+
+/// [`NetNumber::net_jet`] of one place.
 pub fn net_jet<T: Kernel>(scene: &Scene<'_>, net: &Net, about: Vector3<T>, uv: [T; 2]) -> NetJet<T> {
     let (points, degrees) = (T::net_points(scene), net_degrees(net));
     // Degrees that are known when this is compiled leave no loops. Nearly all nets have the first eight pairs; of the others the degrees along v here are those that
@@ -134,6 +163,40 @@ fn net_jet_within<T: Kernel, P: Copy + Into<T>, const ORDER: usize>(
     }
     let ([value, by_v], [by_u, _]) = (values.halves(), slopes.halves());
     NetJet { value, by_u, by_v }
+}
+
+/// Of eight places what [`net_jet_within`] has of one, by the same sums: there the eight numbers are those of one place, here each is that of eight.
+#[inline(always)]
+fn eight_jets_within<const ORDER: usize>(
+    points: &[[f32; 4]],
+    net: &Net,
+    (degree_u, degree_v): (usize, usize),
+    about: Vector3<Eight>,
+    uv: [Eight; 2],
+) -> NetJet<Eight> {
+    let (basis_u, slope_u) = basis_and_slopes::<Eight, ORDER>(degree_u, uv[0]);
+    let (basis_v, slope_v) = basis_and_slopes::<Eight, ORDER>(degree_v, uv[1]);
+    let mut jet = NetJet::default();
+    let mut rest = &points[net.first_point as usize..];
+    for (&weight, &slope) in basis_u[..=degree_u].iter().zip(&slope_u) {
+        let (points, below) = rest.split_at(degree_v + 1);
+        rest = below;
+        let (mut row, mut row_by_v) = ([Eight::ZERO; 4], [Eight::ZERO; 4]);
+        for (p, (&weight, &slope)) in points.iter().zip(basis_v.iter().zip(&slope_v)) {
+            let [x, y, z, w] = p.map(Eight::from_f32);
+            let p = [x - about.x * w, y - about.y * w, z - about.z * w, w];
+            for k in 0..4 {
+                row[k] += p[k] * weight;
+                row_by_v[k] += p[k] * slope;
+            }
+        }
+        for k in 0..4 {
+            jet.value[k] += row[k] * weight;
+            jet.by_v[k] += row_by_v[k] * weight;
+            jet.by_u[k] += row[k] * slope;
+        }
+    }
+    jet
 }
 
 #[cfg(test)]

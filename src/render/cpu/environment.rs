@@ -3,7 +3,6 @@
 //! Light is looked up between four texels, directions are found texel by texel: by the share that a texel has of a row, and a row of all.
 
 use super::vector::{Vector3, vec3};
-use crate::numeric::Real;
 use crate::render::environment::Environment;
 use std::f32::consts::{PI, TAU};
 
@@ -30,8 +29,8 @@ pub struct LightSample {
 /// The place of a world-space direction on the map, both in 0..=1.
 fn map_place(surroundings: &Surroundings<'_>, direction: Vector3<f32>) -> [f32; 2] {
     let [x, y, z] = surroundings.axes.map(|axis| axis.dot(direction));
-    let turn = Real::atan2(x, -z);
-    let fall = Real::atan2((x * x + z * z).sqrt(), y);
+    let turn = f32::atan2(x, -z);
+    let fall = f32::atan2((x * x + z * z).sqrt(), y);
     [turn / TAU + 0.5, fall / PI]
 }
 
@@ -69,7 +68,7 @@ pub fn light_density(surroundings: &Surroundings<'_>, direction: Vector3<f32>) -
 /// The density within a texel of a share of all weight, at the height `v` of the map.
 fn texel_density(surroundings: &Surroundings<'_>, share: f32, v: f32) -> f32 {
     let map = surroundings.map;
-    let (sin, _) = Real::sin_cos(v * PI);
+    let (sin, _) = f32::sin_cos(v * PI);
     share * (map.width * map.height) as f32 / (TAU * PI * sin.max(1e-5))
 }
 
@@ -106,8 +105,8 @@ pub fn sample_light(surroundings: &Surroundings<'_>, on_ground: bool, [a, b]: [f
     let up = ((shares[row as usize] - b) / of_row.max(1e-20)).clamp(0.0, 1.0);
     let back = ((shares[(first + column) as usize] - a) / of_column.max(1e-20)).clamp(0.0, 1.0);
     let v = ((row + 1) as f32 - up) / height as f32;
-    let (sin_turn, cos_turn) = Real::sin_cos((((column + 1) as f32 - back) / width as f32 - 0.5) * TAU);
-    let (sin_fall, cos_fall) = Real::sin_cos(v * PI);
+    let (sin_turn, cos_turn) = f32::sin_cos((((column + 1) as f32 - back) / width as f32 - 0.5) * TAU);
+    let (sin_fall, cos_fall) = f32::sin_cos(v * PI);
     let local = vec3(sin_fall * sin_turn, cos_fall, -sin_fall * cos_turn);
     let [x, y, z] = surroundings.axes;
     LightSample {

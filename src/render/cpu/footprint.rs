@@ -6,7 +6,7 @@
 //! same directions: where two of them meet, each place is the one's or the other's, so that no ray slips between.
 
 use super::vector::{Vector3, number, vec3};
-use crate::numeric::Real;
+use crate::numeric::{Mask, Number, Real};
 
 /// |cos| of the angle between ray and normal below which two hits may always be found as one or not at all (cells of the last level of a leaf's
 /// quadtree are 1/256 of it, and the leaf bends by an eighth of its size).
@@ -20,16 +20,29 @@ pub const LONGEST: f64 = 4096.0;
 
 /// How the surface's parameters change with a ray that is moved sideways by the slack.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Footprint<T> {
+pub struct Footprint<T: Number> {
     /// Of u and of v, at right angles to the ray: a ray moved by the slack in the direction o meets the surface at the product with o away.
     pub slopes: [Vector3<T>; 2],
     /// Of the angle between the ray and `S_u × S_v`; 0 where that is not known.
     pub cosine: T,
     /// Whether the ray is too near to a tangent to be sure how often it meets the surface here.
-    pub is_grazing: bool,
+    pub is_grazing: T::Mask,
 }
 
-impl<T: Real> Footprint<T> {
+impl<T: Number> Footprint<T> {
+    /// `yes` where the mask holds, `no` elsewhere.
+    #[inline(always)]
+    pub fn choose(mask: T::Mask, yes: Self, no: Self) -> Self {
+        let vector = |yes: Vector3<T>, no: Vector3<T>| {
+            vec3(T::choose(mask, yes.x, no.x), T::choose(mask, yes.y, no.y), T::choose(mask, yes.z, no.z))
+        };
+        Self {
+            slopes: [0, 1].map(|k| vector(yes.slopes[k], no.slopes[k])),
+            cosine: T::choose(mask, yes.cosine, no.cosine),
+            is_grazing: mask & yes.is_grazing | !mask & no.is_grazing,
+        }
+    }
+
     /// In parameters that are `scale` times as great.
     pub fn scaled(self, scale: [T; 2]) -> Self {
         let [by_u, by_v] = self.slopes;
@@ -41,7 +54,7 @@ impl<T: Real> Footprint<T> {
         let quarter = number::<T>(0.25);
         self.slopes.map(|slope| {
             let extent = slope.length();
-            if extent < quarter { extent } else { quarter }
+            T::choose(extent.is_less(quarter), extent, quarter)
         })
     }
 
@@ -53,9 +66,9 @@ impl<T: Real> Footprint<T> {
 }
 
 /// Two unit vectors at right angles to `direction` and to each other (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-pub fn sides<T: Real>(direction: Vector3<T>) -> [Vector3<T>; 2] {
+pub fn sides<T: Number>(direction: Vector3<T>) -> [Vector3<T>; 2] {
     let d = direction * (T::ONE / direction.length());
-    let sign = if d.z < T::ZERO { -T::ONE } else { T::ONE };
+    let sign = T::choose(d.z.is_less(T::ZERO), -T::ONE, T::ONE);
     let a = -T::ONE / (sign + d.z);
     let b = d.x * d.y * a;
     [vec3(T::ONE + sign * d.x * d.x * a, sign * b, -sign * d.x), vec3(b, sign + d.y * d.y * a, -d.y)]
@@ -63,7 +76,8 @@ pub fn sides<T: Real>(direction: Vector3<T>) -> [Vector3<T>; 2] {
 
 /// The footprint where a ray of any length of `direction` meets a surface with the tangents `s_u` and `s_v` and a normal curvature of at most
 /// `curvature`.
-pub fn footprint<T: Real>(
+#[inline(always)]
+pub fn footprint<T: Number>(
     direction: Vector3<T>,
     s_u: Vector3<T>,
     s_v: Vector3<T>,
@@ -77,17 +91,17 @@ pub fn footprint<T: Real>(
     // At an angle with this cosine a ray goes cos² / (2 curvature) deep.
     let facing = determinant / steepness;
     let cosine = facing.abs();
-    let is_grazing =
-        !(cosine > number(GRAZING) && cosine * cosine > number::<T>(2.0 * SHALLOW) * curvature * slack);
+    let is_deep = (number::<T>(2.0 * SHALLOW) * curvature * slack).is_less(cosine * cosine);
+    let is_grazing = !(number::<T>(GRAZING).is_less(cosine) & is_deep);
     let (by_u, by_v) = (s_v.cross(direction), direction.cross(s_u));
     let least = steepness * number(1.0 / LONGEST);
-    let share = slack / if cosine > number(1.0 / LONGEST) { determinant } else { least };
+    let share = slack / T::choose(number::<T>(1.0 / LONGEST).is_less(cosine), determinant, least);
     Footprint { slopes: [by_u * share, by_v * share], cosine: facing, is_grazing }
 }
 
 /// The footprint at a pole, which takes in all of the way around; `axis` is the parameter that leads away from it, with the tangent `across`. Of the ray's two
 /// sides the one and the other lie a quarter of the unit along the pole, one of them away from it and one beyond it.
-pub fn pole_footprint<T: Real>(
+pub fn pole_footprint<T: Number>(
     axis: usize,
     [first, second]: [Vector3<T>; 2],
     across: Vector3<T>,
@@ -96,7 +110,7 @@ pub fn pole_footprint<T: Real>(
     let off = (first - second) * (slack / across.length());
     let around = (first + second) * number(0.25);
     let slopes = if axis == 0 { [off, around] } else { [around, off] };
-    Footprint { slopes, cosine: T::ZERO, is_grazing: true }
+    Footprint { slopes, cosine: T::ZERO, is_grazing: Mask::everywhere(true) }
 }
 
 /// Whether two hits of one face, `apart` along the ray, are at one place as far as the face's slack tells, and from one side. The cosines are those of the ray

@@ -3,12 +3,13 @@
 //! The f32 kernels read the f32 arrays, the f64 kernels the f64 arrays. Both see the same grid; what is left of a position after its
 //! grid steps is at most a step long and is all that the number type rounds.
 
+use super::bernstein::NetNumber;
 use super::lanes::Octet;
 use super::polish::{is_rough, polish};
 use super::ray_space::WorldRay;
 use super::trace::RawHit;
-use super::vector::{Vector3, number, vec3};
-use crate::numeric::Real;
+use super::vector::{Vector3, vec3};
+use crate::numeric::{Number, Real, Whole};
 use crate::scene::Scene;
 use wide::{f32x8, f64x8};
 
@@ -51,37 +52,39 @@ pub struct FaceFrame<T> {
 }
 
 impl InstanceFrame<f32> {
-    /// The same in f64.
-    pub fn widened(&self) -> InstanceFrame<f64> {
+    /// The same in other numbers, which hold those of f32.
+    #[inline(always)]
+    pub fn in_numbers<T: Number>(&self) -> InstanceFrame<T> {
         InstanceFrame {
-            rows: self.rows.map(Vector3::widened),
+            rows: self.rows.map(Vector3::in_numbers),
             is_translation: self.is_translation,
             grid: self.grid,
-            fraction: self.fraction.widened(),
-            radius: self.radius.into(),
+            fraction: self.fraction.in_numbers(),
+            radius: T::from_f32(self.radius),
         }
     }
 }
 
 impl FaceFrame<f32> {
-    /// The same in f64.
-    pub fn widened(&self) -> FaceFrame<f64> {
+    /// The same in other numbers, which hold those of f32.
+    #[inline(always)]
+    pub fn in_numbers<T: Number>(&self) -> FaceFrame<T> {
         FaceFrame {
             grid: self.grid,
             kind: self.kind,
-            offset: self.offset.widened(),
-            axes: self.axes.map(Vector3::widened),
-            radii: self.radii.map(f64::from),
-            uv_low: self.uv_low.map(f64::from),
-            uv_scale: self.uv_scale.map(f64::from),
-            period: self.period.map(f64::from),
-            slack: self.slack.into(),
+            offset: self.offset.in_numbers(),
+            axes: self.axes.map(Vector3::in_numbers),
+            radii: self.radii.map(T::from_f32),
+            uv_low: self.uv_low.map(T::from_f32),
+            uv_scale: self.uv_scale.map(T::from_f32),
+            period: self.period.map(T::from_f32),
+            slack: T::from_f32(self.slack),
         }
     }
 }
 
 /// The number types of the kernels.
-pub trait Kernel: Real {
+pub trait Kernel: Real + NetNumber {
     /// Newton steps to a double root: half the bits, and some on the way there.
     const TANGENT_STEPS: u32;
     /// Reads an instance.
@@ -174,12 +177,12 @@ impl Kernel for f64 {
 
 /// `grid · step`; exact where the components are below the number type's whole-number range (2²⁴ for f32).
 #[inline(always)]
-pub fn grid_position<T: Real>(grid: [i32; 3], step: T) -> Vector3<T> {
-    vec3(number::<T>(grid[0].into()), number::<T>(grid[1].into()), number::<T>(grid[2].into())) * step
+pub fn grid_position<T: Number>(grid: [T::Whole; 3], step: T) -> Vector3<T> {
+    vec3(T::from_whole(grid[0]), T::from_whole(grid[1]), T::from_whole(grid[2])) * step
 }
 
 /// `a − b`.
 #[inline(always)]
-pub fn grid_difference(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
-    [a[0].wrapping_sub(b[0]), a[1].wrapping_sub(b[1]), a[2].wrapping_sub(b[2])]
+pub fn grid_difference<W: Whole>(a: [W; 3], b: [i32; 3]) -> [W; 3] {
+    [a[0].minus(b[0]), a[1].minus(b[1]), a[2].minus(b[2])]
 }

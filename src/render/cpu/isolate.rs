@@ -22,11 +22,10 @@
 //! `B = M max(n τ r_s², r_s r_t, r_t²)` follows.
 
 use super::bernstein::{NetJet, net_degrees};
-use super::net::{Domain, LeafRay, leaf_bend};
+use super::leaf::{Domain, LeafRay, Pole, leaf_bend};
 use super::planes::{plane_jet, plane_norm};
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
-use crate::scene::{Net, point_side};
 
 /// Quarterings of a leaf, and cells looked at in one: near tangents would go on for ever.
 const MAX_ISOLATION_LEVEL: u32 = 8;
@@ -47,17 +46,6 @@ pub struct Cell {
     pub place: [u32; 2],
     /// Of each quartering that led here, four bits from the lowest on: the quarters that may hold a root.
     pub quarters: u32,
-}
-
-/// The side of a leaf that is one point.
-#[derive(Debug, Clone, Copy)]
-pub struct Pole {
-    /// The parameter that leads away from it; 0 where there is no pole.
-    pub axis: usize,
-    /// Whether there is one.
-    pub exists: bool,
-    /// Whether it is at the parameter's greatest value.
-    pub is_high: bool,
 }
 
 /// What a cell asks for.
@@ -87,19 +75,6 @@ pub enum SearchKind {
     Regular,
     /// Nothing is known.
     Open,
-}
-
-/// The pole of a net that a leaf reaches; the first where there are more.
-pub fn leaf_pole<T: Real>(net: &Net, domain: &Domain<T>) -> Pole {
-    for axis in 0..2 {
-        let is_at_end = [domain.low[axis] == T::ZERO, domain.low[axis] + domain.size[axis] == T::ONE];
-        for (end, is_high) in [(0, false), (1, true)] {
-            if is_at_end[end] && net.degrees & point_side(axis, end) != 0 {
-                return Pole { axis, exists: true, is_high };
-            }
-        }
-    }
-    Pole { axis: 0, exists: false, is_high: false }
 }
 
 impl Cell {
@@ -211,7 +186,7 @@ pub fn leaf_bounds<T: Real>(at: &LeafRay<'_, T>) -> LeafBounds<T> {
     let center = Vector3::<T>::from_f32(at.leaf.center);
     let size = center.greatest() + at.ray.origin.greatest() + a.greatest() + b.greatest();
     LeafBounds {
-        bend: leaf_bend(at.leaf, a, b),
+        bend: leaf_bend(at.leaf),
         plane_norms: [[T::ONE, T::ZERO], [T::ZERO, T::ONE]].map(|plane| plane_norm(&at.planes, plane)),
         rounding: size * number::<T>(32.0) * T::EPSILON,
     }

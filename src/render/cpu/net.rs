@@ -7,101 +7,38 @@
 
 use super::Kernel;
 use super::bernstein::{NetJet, net_jet};
-use super::footprint::{Footprint, footprint, pole_footprint, same_place, sides};
-use super::isolate::{
-    Cell, MAX_ISOLATION_CELLS, Pole, SearchKind, Verdict, bend_at_pole, examine, leaf_bounds, leaf_pole,
+use super::footprint::same_place;
+use super::isolate::{Cell, MAX_ISOLATION_CELLS, SearchKind, Verdict, bend_at_pole, examine, leaf_bounds};
+use super::leaf::{Domain, LeafRay, NetRoot, has_bend_bound, leaf_bend, leaf_domain, leaf_pole};
+use super::newton::{
+    Landing, is_within, newton_fraction, newton_step, point_and_tangents, root_at, unique_root,
 };
-use super::planes::{RayPlanes, plane_jet, ray_planes};
+use super::planes::{plane_jet, ray_planes};
 use super::ray_space::PrimitiveRay;
 use super::slab::{SlabHit, intersect_slab};
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number, vec3};
-use crate::numeric::Real;
+use crate::numeric::{Number, Real};
 use crate::render::{Exactness, NetSearch};
-use crate::scene::{Net, NetLeaf, Scene, bend_bound, point_side};
+use crate::scene::{Net, NetLeaf, Scene, point_side};
 use std::ops::Range;
 
 /// Roots kept per leaf.
 pub const MAX_ROOTS: usize = 6;
 
-/// Steps of a search that cannot fail: the certificate's contraction by less than 1 makes some, then digits double.
-const MAX_UNIQUE_STEPS: u32 = 10;
-
 /// By how much damping falls with a step that goes down, and grows with one that does not. The first step has an eighth of what would make it go down
 /// whatever the surface does within its bounds, which are some times what they bound.
 const DAMPING_FACTOR: f64 = 8.0;
 
-/// How far from the ray a root may lie, in roundings of its coordinates and in slacks. Where Newton's method has converged the root is there whatever f32 makes
-/// of the net's value, of which a sum over up to 26² points of both signs leaves 2⁸ roundings: what is farther away is no number; elsewhere it has to lie where
-/// the face, as wide as its slack, meets the ray, and half of that is for the search's own errors.
-const CONVERGED_MISS: [f64; 2] = [256.0, 4.0];
-const OPEN_MISS: [f64; 2] = [16.0, 0.5];
-
-/// Accepted excess of (u, v) over [0, 1]: twice the worst that f32 was seen to need so that no ray slips between two nets.
-const OVERLAP: f64 = 1.0 / 1_048_576.0;
-
-/// A point where the ray meets the net.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct NetRoot<T> {
-    /// Local parameters of the net.
-    pub uv: [T; 2],
-    /// Distance from the ray's origin, in units of the direction.
-    pub t: T,
-    /// In local parameters.
-    pub footprint: Footprint<T>,
-}
-
 /// The roots found in a leaf, in no order.
 #[derive(Debug, Clone, Copy)]
-pub struct NetRoots<T> {
+pub struct NetRoots<T: Number> {
     /// How many.
     pub count: usize,
     /// The roots.
     pub root: [NetRoot<T>; MAX_ROOTS],
     /// Whether there may be more: the search ended before its end, or found more than it keeps.
     pub is_cut: bool,
-}
-
-/// A leaf's sub-domain in local parameters.
-#[derive(Debug, Clone, Copy)]
-pub struct Domain<T> {
-    /// Least u and v.
-    pub low: [T; 2],
-    /// Extents.
-    pub size: [T; 2],
-}
-
-/// A ray at a leaf.
-#[derive(Debug, Clone, Copy)]
-pub struct LeafRay<'a, T> {
-    /// The leaf.
-    pub leaf: &'a NetLeaf,
-    /// Its net.
-    pub net: &'a Net,
-    /// The leaf's own.
-    pub domain: Domain<T>,
-    /// In face space.
-    pub ray: PrimitiveRay<T>,
-    /// The ray's.
-    pub planes: RayPlanes<T>,
-    /// The face's.
-    pub slack: T,
-    /// The leaf's.
-    pub pole: Pole,
-    /// See [`NetSearch::newton_stop`].
-    pub newton_stop: T,
-}
-
-/// Unpacks a leaf's domain.
-#[inline]
-pub fn leaf_domain<T: Real>(leaf: &NetLeaf) -> Domain<T> {
-    let axis = |bits: u32| {
-        let size = 1.0 / (1_u32 << (bits >> 12 & 15)) as f32;
-        (T::from_f32((bits & 0xfff) as f32 * size), T::from_f32(size))
-    };
-    let (u, u_size) = axis(leaf.domain);
-    let (v, v_size) = axis(leaf.domain >> 16);
-    Domain { low: [u, v], size: [u_size, v_size] }
 }
 
 /// The roots of the ray in a leaf (and, at times, just beside it).
@@ -117,20 +54,25 @@ pub fn leaf_roots<T: Kernel>(
     tally: &mut impl Tally,
 ) -> NetRoots<T> {
     let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], is_cut: false };
-    let Some(hit) = intersect_slab(leaf, ray, near, far) else {
+    let (meets, hit) = intersect_slab(leaf, ray, near, far);
+    if !meets {
         return roots;
-    };
+    }
     let domain = leaf_domain(leaf);
     let pole = leaf_pole(net, &domain);
     let newton_stop = T::from_f32(newton_stop);
     let at = LeafRay { leaf, net, domain, ray: *ray, planes: ray_planes(ray), slack, pole, newton_stop };
-    if exactness == Exactness::Exact && !hit.unique && has_bend_bound(leaf) {
+    if hit.unique {
+        let start = unique_start(&hit, &at.domain);
+        search(scene, &at, start, SearchKind::Unique, T::ONE, &mut roots, tally);
+        return roots;
+    }
+    if exactness == Exactness::Exact && has_bend_bound(leaf) {
         isolate(scene, &at, &mut roots, tally);
         return roots;
     }
-    let kind = if hit.unique { SearchKind::Unique } else { SearchKind::Open };
     for k in fixed_starts(&hit, exactness) {
-        search(scene, &at, fixed_start(&hit, k, &at.domain), kind, T::ONE, &mut roots, tally);
+        search(scene, &at, fixed_start(&hit, k, &at.domain), SearchKind::Open, T::ONE, &mut roots, tally);
     }
     roots
 }
@@ -168,7 +110,6 @@ fn isolate<T: Kernel>(
 #[inline]
 fn fixed_starts<T: Real>(hit: &SlabHit<T>, exactness: Exactness) -> Range<u32> {
     match (exactness, hit.flat) {
-        _ if hit.unique => 0..1,
         (Exactness::Fast, false) => 0..1,
         (Exactness::Fast, true) => 4..5,
         (Exactness::Balanced, false) => 1..3,
@@ -182,7 +123,7 @@ fn fixed_starts<T: Real>(hit: &SlabHit<T>, exactness: Exactness) -> Range<u32> {
 #[inline]
 fn fixed_start<T: Real>(hit: &SlabHit<T>, k: u32, domain: &Domain<T>) -> [T; 2] {
     let place = match k {
-        0 => return slab_start(hit, (-hit.at.z / hit.along.z).max(hit.enter).min(hit.leave), domain),
+        0 => return unique_start(hit, domain),
         1 => return slab_start(hit, hit.enter, domain),
         2 => return slab_start(hit, hit.leave, domain),
         3 => return slab_start(hit, (hit.enter + hit.leave) * number(0.5), domain),
@@ -195,9 +136,15 @@ fn fixed_start<T: Real>(hit: &SlabHit<T>, k: u32, domain: &Domain<T>) -> [T; 2] 
     [0, 1].map(|axis| domain.low[axis] + domain.size[axis] * number(place[axis]))
 }
 
+/// Where the ray crosses the leaf's plane.
+#[inline(always)]
+pub fn unique_start<T: Number>(hit: &SlabHit<T>, domain: &Domain<T>) -> [T; 2] {
+    slab_start(hit, (-hit.at.z / hit.along.z).max(hit.enter).min(hit.leave), domain)
+}
+
 /// The leaf point at which the ray stands at `t`, projected onto the leaf's plane and clamped to the leaf.
-#[inline]
-fn slab_start<T: Real>(hit: &SlabHit<T>, t: T, domain: &Domain<T>) -> [T; 2] {
+#[inline(always)]
+fn slab_start<T: Number>(hit: &SlabHit<T>, t: T, domain: &Domain<T>) -> [T; 2] {
     let half = number::<T>(0.5);
     let clamp = |x: T| x.max(-half).min(half) + half;
     let (s, r) = (clamp(hit.at.x + hit.along.x * t), clamp(hit.at.y + hit.along.y * t));
@@ -219,27 +166,30 @@ fn search<T: Kernel>(
     roots: &mut NetRoots<T>,
     tally: &mut impl Tally,
 ) {
+    if kind == SearchKind::Unique {
+        let (exists, root) = unique_root(scene, at, start, true, tally);
+        if exists {
+            add_root(roots, root, at);
+        }
+        return;
+    }
     tally.count(Step::Search);
-    let LeafRay { leaf, net, domain, ray, planes, slack, .. } = at;
-    let (a, b) = (Vector3::<T>::from_f32(leaf.tangent_u), Vector3::<T>::from_f32(leaf.tangent_v));
-    let bend = leaf_bend(leaf, a, b);
-    let (is_open, unique) = (kind == SearchKind::Open, kind == SearchKind::Unique);
+    let LeafRay { leaf, net, domain, ray, planes, .. } = at;
+    let bend = leaf_bend(leaf);
+    let is_open = kind == SearchKind::Open;
     // Steps are in sides of the leaf; at a pole, away from it, in sides of the cell: so the surface is as regular as elsewhere.
     let mut unit = domain.size;
     unit[at.pole.axis] *= across;
     let bend_here = if across < T::ONE { bend * bend_at_pole(at, across) } else { bend };
     let damping = if is_open && has_bend_bound(leaf) { bend_here } else { T::ZERO };
     let mut uv = start;
-    // Quadratic convergence: a step this small leaves its square. Near tangents steps halve, so they have to be smaller and may be as many as there
-    // are bits, half of which a double root has.
-    let stop = T::EPSILON.sqrt() * at.newton_stop;
-    let small = if unique { stop } else { stop * number(1.0 / 64.0) };
-    let limit = if unique { MAX_UNIQUE_STEPS } else { T::TANGENT_STEPS };
+    // Near tangents steps halve, so they have to be smaller and may be as many as there are bits, half of which a double root has.
+    let small = T::EPSILON.sqrt() * at.newton_stop * number(1.0 / 64.0);
     // What the net has where the last step was taken from, once steps are small.
     let mut landed: Option<NetJet<T>> = None;
     // The lowest point so far, what the planes have there, and the share of the damping.
     let (mut base, mut low, mut share) = (uv, [[T::ZERO; 2]; 3], T::ONE);
-    for turn in 0..limit {
+    for turn in 0..T::TANGENT_STEPS {
         tally.count(Step::NewtonStep);
         let jet = net_jet(scene, net, ray.origin, uv);
         let here = plane_jet(planes, &jet, unit);
@@ -276,42 +226,11 @@ fn search<T: Kernel>(
     let last = landed.filter(|_| !is_open && at.newton_stop <= T::ONE);
     let moved = if last.is_some() { [uv[0] - base[0], uv[1] - base[1]] } else { [T::ZERO; 2] };
     let jet = last.unwrap_or_else(|| net_jet(scene, net, ray.origin, uv));
-    let (point, tangents) = point_and_tangents(&jet);
-    let [s_u, s_v] = tangents.map(|tangent| tangent * (T::ONE / jet.value[3]));
-    let from_origin = point + s_u * moved[0] + s_v * moved[1];
-    let curvature = root_curvature(s_u * domain.size[0], s_v * domain.size[1], bend);
-    let mut footprint = footprint(ray.direction, s_u, s_v, curvature, *slack);
-    let axis = at.pole.axis;
-    if at.pole.exists && [s_v, s_u][axis].length() <= *slack * number(4.0) {
-        footprint = pole_footprint(axis, sides(ray.direction), [s_u, s_v][axis], *slack);
+    let landing = Landing { uv, jet, moved, is_sure: converged && !is_open, has_converged: converged };
+    let (exists, root) = root_at(at, &landing, number(0.5));
+    if exists {
+        add_root(roots, root, at);
     }
-    footprint.is_grazing |= !converged;
-    let margin = if unique { number(1.0 / 64.0) } else { number::<T>(0.5) };
-    let extent = footprint.extent();
-    let is_own = |k: usize| {
-        let on_net = extent[k].max(number(OVERLAP));
-        let on_leaf = extent[k].max(margin * domain.size[k]);
-        let beyond = uv[k] - domain.low[k];
-        uv[k] >= -on_net
-            && uv[k] <= T::ONE + on_net
-            && beyond >= -on_leaf
-            && beyond - domain.size[k] <= on_leaf
-    };
-    if !(is_own(0) && is_own(1)) {
-        return;
-    }
-    let t = from_origin.dot(ray.direction) / ray.direction.dot(ray.direction);
-    let miss = (from_origin - ray.direction * t).greatest();
-    let size = a.greatest() + b.greatest();
-    // What a net that is larger than its surface rounds the slack knows. What does not converge within
-    // the limit, or converges to the place nearest to the ray, is near a tangent or at a pole, and counts as far as roundings and the slack leave it open.
-    let rounding = (size + (from_origin + ray.origin).greatest()) * T::EPSILON;
-    let [roundings, slacks] = if converged && !is_open { CONVERGED_MISS } else { OPEN_MISS };
-    let tolerance = (rounding * number(roundings)).max(*slack * number(slacks));
-    if !(miss <= tolerance) {
-        return;
-    }
-    add_root(roots, NetRoot { uv, t, footprint }, at);
 }
 
 /// The step from values and derivatives of the two planes: Newton's where `damping` is 0.
@@ -319,12 +238,12 @@ fn search<T: Kernel>(
 /// With the derivatives J divided by their norm, `(JᵀJ + λ)⁻¹ Jᵀ F` is `(det J adj J F + λ Jᵀ F) / (det² J + λ (1 + λ))`, without a difference of large
 /// terms.
 #[inline(always)]
-fn damped_step<T: Real>([f, f_s, f_t]: [[T; 2]; 3], damping: T) -> [T; 2] {
-    let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
-    let newton = [f[0] * f_t[1] - f[1] * f_t[0], f_s[0] * f[1] - f_s[1] * f[0]];
+fn damped_step<T: Real>(jet: [[T; 2]; 3], damping: T) -> [T; 2] {
     if !(damping > T::ZERO) {
-        return newton.map(|x| x / determinant);
+        return newton_step(jet);
     }
+    let (determinant, newton) = newton_fraction(jet);
+    let [f, f_s, f_t] = jet;
     let square = f_s[0] * f_s[0] + f_s[1] * f_s[1] + f_t[0] * f_t[0] + f_t[1] * f_t[1];
     let inverse = T::ONE / square;
     let lambda = damping * (f[0].abs() + f[1].abs()) * inverse;
@@ -338,33 +257,6 @@ fn damped_step<T: Real>([f, f_s, f_t]: [[T; 2]; 3], damping: T) -> [T; 2] {
 #[inline(always)]
 fn height<T: Real>([f, ..]: [[T; 2]; 3]) -> T {
     f[0] * f[0] + f[1] * f[1]
-}
-
-/// The leaf's bound of `|S_ss| + 2 |S_st| + |S_tt|` in millimetres, from its tangents.
-#[inline(always)]
-pub fn leaf_bend<T: Real>(leaf: &NetLeaf, a: Vector3<T>, b: Vector3<T>) -> T {
-    T::from_f32(bend_bound(leaf.certificate >> 24)) * a.length().min(b.length())
-}
-
-/// Whether that bound is one.
-#[inline(always)]
-fn has_bend_bound(leaf: &NetLeaf) -> bool {
-    leaf.certificate >> 24 != 255
-}
-
-/// A bound of the normal curvatures at a point with the tangents `s` and `t` where second derivatives are at most `bend`: along (x, y) with max(|x|, |y|) = 1
-/// they make `bend` at most, over the square of `|s x + t y|`, which is at least the shorter tangent's distance from the other one's line,
-/// `|s × t| / max(|s|, |t|)`.
-#[inline(always)]
-fn root_curvature<T: Real>(s: Vector3<T>, t: Vector3<T>, bend: T) -> T {
-    let normal = s.cross(t);
-    bend * s.dot(s).max(t.dot(t)) / normal.dot(normal)
-}
-
-#[inline]
-fn is_within<T: Real>(uv: [T; 2], domain: &Domain<T>, margin: T) -> bool {
-    let inside = |x: T, low: T, size: T| x >= low - margin * size && x <= low + (T::ONE + margin) * size;
-    inside(uv[0], domain.low[0], domain.size[0]) && inside(uv[1], domain.low[1], domain.size[1])
 }
 
 /// Adds a root that is not known yet; of two at one place the one that is not grazing stays. Roots that are not grazing are told apart by their
@@ -434,11 +326,4 @@ fn regular_normal<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> Vector
 /// S_u and S_v of the net, each times the weight.
 fn net_tangents<T: Kernel>(scene: &Scene<'_>, net: &Net, uv: [T; 2]) -> [Vector3<T>; 2] {
     point_and_tangents(&net_jet(scene, net, Vector3::default(), uv)).1
-}
-
-/// The point of a jet and, by the quotient rule, S_u and S_v, each times the weight.
-#[inline]
-pub fn point_and_tangents<T: Real>(jet: &NetJet<T>) -> (Vector3<T>, [Vector3<T>; 2]) {
-    let point = vec3(jet.value[0], jet.value[1], jet.value[2]) * (T::ONE / jet.value[3]);
-    (point, [jet.by_u, jet.by_v].map(|d| vec3(d[0], d[1], d[2]) - point * d[3]))
 }

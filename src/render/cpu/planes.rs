@@ -2,7 +2,8 @@
 
 use super::bernstein::NetJet;
 use super::ray_space::PrimitiveRay;
-use crate::numeric::Real;
+use super::vector::Vector3;
+use crate::numeric::{Number, Real};
 
 /// The two planes through a ray: about its origin, `p − along·slope` in the two minor axes is 0 on it.
 #[derive(Debug, Clone, Copy)]
@@ -18,14 +19,26 @@ pub struct RayPlanes<T> {
 /// The planes of a ray.
 #[inline]
 pub fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
-    let d = ray.direction.to_array();
-    let major = if d[0].abs() >= d[1].abs() && d[0].abs() >= d[2].abs() {
+    planes_along(ray.direction, major_axis(ray.direction))
+}
+
+/// The greatest component of a direction; of equal ones the first.
+#[inline(always)]
+pub fn major_axis<T: Real>(direction: Vector3<T>) -> usize {
+    let d = direction.to_array();
+    if d[0].abs() >= d[1].abs() && d[0].abs() >= d[2].abs() {
         0
     } else if d[1].abs() >= d[2].abs() {
         1
     } else {
         2
-    };
+    }
+}
+
+/// The planes of rays whose directions are greatest along the axis `major`.
+#[inline(always)]
+pub fn planes_along<T: Number>(direction: Vector3<T>, major: usize) -> RayPlanes<T> {
+    let d = direction.to_array();
     let minor = [(major + 1) % 3, (major + 2) % 3];
     let slope = [d[minor[0]] / d[major], d[minor[1]] / d[major]];
     RayPlanes { major, minor, slope }
@@ -33,14 +46,14 @@ pub fn ray_planes<T: Real>(ray: &PrimitiveRay<T>) -> RayPlanes<T> {
 
 /// The two plane equations of a homogeneous vector about the ray's origin.
 #[inline(always)]
-pub fn plane_values<T: Real>(planes: &RayPlanes<T>, p: [T; 4]) -> [T; 2] {
+pub fn plane_values<T: Number>(planes: &RayPlanes<T>, p: [T; 4]) -> [T; 2] {
     let [first, second] = planes.minor;
     [p[first] - planes.slope[0] * p[planes.major], p[second] - planes.slope[1] * p[planes.major]]
 }
 
 /// The values of the two planes at a point of a net, and by the quotient rule their derivatives by u and by v, times `size`.
 #[inline(always)]
-pub fn plane_jet<T: Real>(planes: &RayPlanes<T>, jet: &NetJet<T>, size: [T; 2]) -> [[T; 2]; 3] {
+pub fn plane_jet<T: Number>(planes: &RayPlanes<T>, jet: &NetJet<T>, size: [T; 2]) -> [[T; 2]; 3] {
     let scale = T::ONE / jet.value[3];
     let f = plane_values(planes, jet.value).map(|x| x * scale);
     let slopes = |by: [T; 4], size: T| {

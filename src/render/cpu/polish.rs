@@ -9,7 +9,7 @@
 use super::analytic::{Span, carrier_roots};
 use super::bernstein::widened_net_jet;
 use super::footprint::LONGEST;
-use super::net::point_and_tangents;
+use super::newton::point_and_tangents;
 use super::ray_space::{
     Distance, GridStep, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
@@ -36,13 +36,16 @@ pub fn is_rough(scene: &Scene<'_>, hit: &RawHit<f32>) -> bool {
 /// The hit where f64 finds it; `None` where it finds none.
 pub fn polish(scene: &Scene<'_>, ray: &WorldRay<f32>, hit: &RawHit<f32>) -> Option<RawHit<f32>> {
     let step = GridStep::of(scene.header);
-    let ray = WorldRay {
+    let ray = WorldRay::<f64> {
         grid: ray.grid,
-        fraction: ray.fraction.widened(),
-        direction: ray.direction.widened() + ray.direction_low.widened(),
+        fraction: ray.fraction.in_numbers(),
+        direction: ray.direction.in_numbers() + ray.direction_low.in_numbers(),
         direction_low: Vector3::default(),
     };
-    let part_ray = enter_instance(&ray, &f32::instance(scene, hit.instance).widened(), step)?;
+    let (may_meet, part_ray) = enter_instance(&ray, &f32::instance(scene, hit.instance).in_numbers(), step);
+    if !may_meet {
+        return None;
+    }
     let (along, uv) = if hit.net == NO_NET {
         polish_on_face(scene, &part_ray, hit, step)
     } else {
@@ -65,7 +68,7 @@ fn polish_on_face(
     hit: &RawHit<f32>,
     step: GridStep<f64>,
 ) -> Option<(Distance<f64>, [f64; 2])> {
-    let face = f32::face(scene, hit.face).widened();
+    let face = f32::face(scene, hit.face).in_numbers();
     let ray = approach_frame(part_ray, &face, step);
     let [origin, direction] = [ray.origin, ray.direction].map(|v| apply_rows(&face.axes, v));
     let found = wide_distance(hit.distance).beyond(ray.anchor);

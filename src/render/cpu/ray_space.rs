@@ -22,7 +22,7 @@
 
 use super::frames::{FaceFrame, InstanceFrame, grid_difference, grid_position};
 use super::vector::{Vector3, number};
-use crate::numeric::Real;
+use crate::numeric::{Number, Real, Whole};
 use crate::render::Ray;
 use crate::scene::Header;
 use glam::DVec3;
@@ -36,7 +36,7 @@ pub struct Distance<T> {
     pub offset: T,
 }
 
-impl<T: Real> Distance<T> {
+impl<T: Number> Distance<T> {
     /// Farther than everything.
     pub const INFINITE: Self = Self { anchor: T::ZERO, offset: T::INFINITY };
 
@@ -50,6 +50,9 @@ impl<T: Real> Distance<T> {
     pub fn beyond(self, anchor: T) -> T {
         (self.anchor - anchor) + self.offset
     }
+}
+
+impl<T: Real> Distance<T> {
     /// The sum.
     #[inline(always)]
     pub fn to_f64(self) -> f64 {
@@ -59,9 +62,9 @@ impl<T: Real> Distance<T> {
 
 /// A ray in world space, its origin at the closest approach to the scene's centre.
 #[derive(Debug, Clone, Copy)]
-pub struct WorldRay<T> {
+pub struct WorldRay<T: Number> {
     /// Origin, grid steps …
-    pub grid: [i32; 3],
+    pub grid: [T::Whole; 3],
     /// … plus this.
     pub fraction: Vector3<T>,
     /// Of length 1 up to rounding.
@@ -72,9 +75,9 @@ pub struct WorldRay<T> {
 
 /// A ray in part space: `grid · grid_step + fraction + (t − anchor) · direction`.
 #[derive(Debug, Clone, Copy)]
-pub struct PartRay<T> {
+pub struct PartRay<T: Number> {
     /// Origin, grid steps …
-    pub grid: [i32; 3],
+    pub grid: [T::Whole; 3],
     /// … plus this.
     pub fraction: Vector3<T>,
     /// Not of length 1 where the instance scales.
@@ -104,7 +107,7 @@ pub struct PrimitiveRay<T> {
 
 /// A model-space ray made ready.
 #[derive(Debug, Clone, Copy)]
-pub struct PreparedRay<T> {
+pub struct PreparedRay<T: Number> {
     /// The ray.
     pub ray: WorldRay<T>,
     /// Add to a world distance to get the distance from the model-space origin.
@@ -124,7 +127,7 @@ pub struct GridStep<T> {
     pub per_size: T,
 }
 
-impl<T: Real> GridStep<T> {
+impl<T: Number> GridStep<T> {
     /// That of a scene.
     #[inline(always)]
     pub fn of(header: &Header) -> Self {
@@ -135,7 +138,7 @@ impl<T: Real> GridStep<T> {
 
 /// The nearest multiple of `step`.
 #[inline(always)]
-pub fn whole_steps<T: Real>(value: T, step: GridStep<T>) -> T {
+pub fn whole_steps<T: Number>(value: T, step: GridStep<T>) -> T {
     (value * step.per_size + number(0.5)).floor() * step.size
 }
 
@@ -184,15 +187,15 @@ pub fn scene_radius(header: &Header) -> f64 {
     half.length() * 1.001 + 2.0 * header.grid_step
 }
 
-/// The ray in the part's space; `None` where it passes the part by.
-#[inline]
-pub fn enter_instance<T: Real>(
+/// The ray in the part's space, and whether it may meet the part: it passes others by.
+#[inline(always)]
+pub fn enter_instance<T: Number>(
     ray: &WorldRay<T>,
     instance: &InstanceFrame<T>,
     step: GridStep<T>,
-) -> Option<PartRay<T>> {
+) -> (T::Mask, PartRay<T>) {
     let grid = grid_difference(ray.grid, instance.grid);
-    let base = grid_position(grid, step.size);
+    let base = grid_position::<T>(grid, step.size);
     let rest = ray.fraction - instance.fraction;
     let anchor = whole_steps(-(base + rest).dot(ray.direction), step);
     let near = ray.direction.fused(anchor, base) + (rest + ray.direction_low * anchor);
@@ -200,10 +203,7 @@ pub fn enter_instance<T: Real>(
     let slack = instance.radius * number(0.001) + step.size;
     if instance.is_translation {
         let reach = instance.radius + slack;
-        if !(near.dot(near) <= reach * reach) {
-            return None;
-        }
-        return Some(PartRay {
+        let part_ray = PartRay {
             grid,
             fraction: rest,
             direction: ray.direction,
@@ -212,16 +212,14 @@ pub fn enter_instance<T: Real>(
             anchor: T::ZERO,
             near_origin: near,
             near_anchor: anchor,
-        });
+        };
+        return (near.dot(near).is_at_most(reach * reach), part_ray);
     }
     let origin = apply_rows(&instance.rows, near);
     let direction = apply_rows(&instance.rows, ray.direction);
     let reach = instance.radius + slack * (T::ONE + direction.length());
-    if !(origin.dot(origin) <= reach * reach) {
-        return None;
-    }
-    Some(PartRay {
-        grid: [0; 3],
+    let part_ray = PartRay {
+        grid: [Whole::ZERO; 3],
         fraction: origin,
         direction,
         direction_low: Vector3::default(),
@@ -229,18 +227,19 @@ pub fn enter_instance<T: Real>(
         anchor,
         near_origin: origin,
         near_anchor: anchor,
-    })
+    };
+    (origin.dot(origin).is_at_most(reach * reach), part_ray)
 }
 
 /// The ray in the space of a carrier's frame, whose axes it still has to be turned to.
 #[inline]
-pub fn approach_frame<T: Real>(ray: &PartRay<T>, face: &FaceFrame<T>, step: GridStep<T>) -> PrimitiveRay<T> {
+pub fn approach_frame<T: Number>(ray: &PartRay<T>, face: &FaceFrame<T>, step: GridStep<T>) -> PrimitiveRay<T> {
     approach(ray, face.grid, face.offset, Vector3::default(), step)
 }
 
 /// The ray in face space, its origin at the closest approach to `center`.
 #[inline]
-pub fn approach_point<T: Real>(
+pub fn approach_point<T: Number>(
     ray: &PartRay<T>,
     face_grid: [i32; 3],
     center: Vector3<T>,
@@ -251,7 +250,7 @@ pub fn approach_point<T: Real>(
 
 /// The ray relative to `grid · step + shift`, its origin at the closest approach to `center` there.
 #[inline(always)]
-fn approach<T: Real>(
+fn approach<T: Number>(
     ray: &PartRay<T>,
     grid: [i32; 3],
     shift: Vector3<T>,
@@ -268,6 +267,6 @@ fn approach<T: Real>(
 
 /// `rows · v`.
 #[inline(always)]
-pub fn apply_rows<T: Real>(rows: &[Vector3<T>; 3], v: Vector3<T>) -> Vector3<T> {
+pub fn apply_rows<T: Number>(rows: &[Vector3<T>; 3], v: Vector3<T>) -> Vector3<T> {
     Vector3 { x: rows[0].dot(v), y: rows[1].dot(v), z: rows[2].dot(v) }
 }

@@ -9,7 +9,7 @@
 
 use super::ray_space::PrimitiveRay;
 use super::vector::{Vector3, number, vec3};
-use crate::numeric::Real;
+use crate::numeric::{Mask, Number};
 use crate::scene::NetLeaf;
 
 /// |a × b|² over |a|² |b|² below which the tangents span no plane. The bake gives no such frames: those that it makes have a sine of 1/64, or are
@@ -27,22 +27,27 @@ const SPHERE_ROUNDING: f64 = 1.001;
 
 /// What the slab test finds.
 #[derive(Debug, Clone, Copy)]
-pub struct SlabHit<T> {
+pub struct SlabHit<T: Number> {
     /// Leaf coordinates (−½ to ½) of the ray at t = 0, and their change along it.
     pub at: Vector3<T>,
     pub along: Vector3<T>,
-    /// Where the ray is inside.
+    /// Where the ray is inside, whatever part of it is asked for: so a root is the same to the last bit, whatever was found before.
     pub enter: T,
     pub leave: T,
     /// Whether at most one root is there.
-    pub unique: bool,
+    pub unique: T::Mask,
     /// Whether the leaf has no plane (a pole): `at` and `along` say nothing.
     pub flat: bool,
 }
 
-/// Cuts the ray with the leaf's skew slab.
-#[inline]
-pub fn intersect_slab<T: Real>(leaf: &NetLeaf, ray: &PrimitiveRay<T>, near: T, far: T) -> Option<SlabHit<T>> {
+/// Cuts the ray with the leaf's skew slab; whether it is inside somewhere between `near` and `far`.
+#[inline(always)]
+pub fn intersect_slab<T: Number>(
+    leaf: &NetLeaf,
+    ray: &PrimitiveRay<T>,
+    near: T,
+    far: T,
+) -> (T::Mask, SlabHit<T>) {
     let a = Vector3::<T>::from_f32(leaf.tangent_u);
     let b = Vector3::<T>::from_f32(leaf.tangent_v);
     let center = Vector3::<T>::from_f32(leaf.center);
@@ -50,8 +55,9 @@ pub fn intersect_slab<T: Real>(leaf: &NetLeaf, ray: &PrimitiveRay<T>, near: T, f
     let n = a.cross(b);
     let (aa, bb, nn) = (a.dot(a), b.dot(b), n.dot(n));
     let r = ray.origin - center;
-    let flat = !(nn > number::<T>(FLAT) * aa * bb && aa > T::ZERO && bb > T::ZERO);
-    if flat {
+    let spans_plane =
+        (number::<T>(FLAT) * aa * bb).is_less(nn) & T::ZERO.is_less(aa) & T::ZERO.is_less(bb);
+    if !spans_plane.any() {
         return flat_slab(leaf, aa.sqrt(), bb.sqrt(), extent_n, r, ray.direction, near, far);
     }
     let scale = T::ONE / nn;
@@ -64,24 +70,23 @@ pub fn intersect_slab<T: Real>(leaf: &NetLeaf, ray: &PrimitiveRay<T>, near: T, f
     let half = number::<T>(0.5);
     let reach_u = half + T::from_f32(leaf.extent_u) + rounding * row_u.greatest();
     let reach_v = half + T::from_f32(leaf.extent_v) + rounding * row_v.greatest();
-    let (mut enter, mut leave) = (near, far);
+    let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
     cut(at.x, along.x, reach_u, &mut enter, &mut leave);
     cut(at.y, along.y, reach_v, &mut enter, &mut leave);
     cut(at.z, along.z, extent_n + rounding, &mut enter, &mut leave);
-    if !(enter <= leave) {
-        return None;
-    }
     let [e_alpha, e_beta, e_gamma] = certificate::<T>(leaf);
     // γ and E_γ in millimetres: bytes are in units of the shorter tangent.
     let gamma = e_gamma * aa.min(bb).sqrt();
     let across = along.z.abs() * number(1.0 - CERTIFICATE_ROUNDING);
-    let unique = (T::ONE - e_alpha) * across > gamma * along.x.abs()
-        && (T::ONE - e_beta) * across > gamma * along.y.abs();
-    Some(SlabHit { at, along, enter, leave, unique, flat: false })
+    let unique = (gamma * along.x.abs()).is_less((T::ONE - e_alpha) * across)
+        & (gamma * along.y.abs()).is_less((T::ONE - e_beta) * across);
+    let meets = enter.max(near).is_at_most(leave.min(far));
+    (meets, SlabHit { at, along, enter, leave, unique, flat: false })
 }
 
 /// A sphere instead of a slab, for leaves whose tangents span no plane.
-fn flat_slab<T: Real>(
+#[inline(never)]
+fn flat_slab<T: Number>(
     leaf: &NetLeaf,
     a: T,
     b: T,
@@ -90,7 +95,7 @@ fn flat_slab<T: Real>(
     direction: Vector3<T>,
     near: T,
     far: T,
-) -> Option<SlabHit<T>> {
+) -> (T::Mask, SlabHit<T>) {
     let half = number::<T>(0.5);
     let radius = a * (half + T::from_f32(leaf.extent_u)) + b * (half + T::from_f32(leaf.extent_v)) + extent_n;
     let dd = direction.dot(direction);
@@ -98,33 +103,27 @@ fn flat_slab<T: Real>(
     let closest = r + direction * middle;
     let reach = radius * number(SPHERE_ROUNDING) + r.greatest() * number::<T>(8.0) * T::EPSILON;
     let under_root = reach * reach - closest.dot(closest);
-    if !(under_root >= T::ZERO) {
-        return None;
-    }
     let chord = (under_root / dd).sqrt();
-    let (enter, leave) = ((middle - chord).max(near), (middle + chord).min(far));
-    let zero = Vector3::default();
-    (enter <= leave).then_some(SlabHit { at: zero, along: zero, enter, leave, unique: false, flat: true })
+    let (enter, leave) = (middle - chord, middle + chord);
+    let meets = T::ZERO.is_at_most(under_root) & enter.max(near).is_at_most(leave.min(far));
+    let (zero, unique) = (Vector3::default(), T::Mask::everywhere(false));
+    (meets, SlabHit { at: zero, along: zero, enter, leave, unique, flat: true })
 }
 
 /// Narrows `[enter, leave]` to where `|at + t · along| <= reach`.
 #[inline(always)]
-fn cut<T: Real>(at: T, along: T, reach: T, enter: &mut T, leave: &mut T) {
-    if along.abs() < number(PARALLEL) {
-        if at.abs() > reach {
-            *leave = -T::INFINITY;
-        }
-        return;
-    }
+fn cut<T: Number>(at: T, along: T, reach: T, enter: &mut T, leave: &mut T) {
+    let is_parallel = along.abs().is_less(number(PARALLEL));
     let inverse = T::ONE / along;
     let (first, second) = ((-reach - at) * inverse, (reach - at) * inverse);
-    *enter = first.min(second).max(*enter);
-    *leave = first.max(second).min(*leave);
+    let beside = T::choose(reach.is_less(at.abs()), -T::INFINITY, *leave);
+    *enter = T::choose(is_parallel, *enter, first.min(second).max(*enter));
+    *leave = T::choose(is_parallel, beside, first.max(second).min(*leave));
 }
 
 /// E_α, E_β, E_γ; infinite where there is no bound.
-#[inline]
-fn certificate<T: Real>(leaf: &NetLeaf) -> [T; 3] {
+#[inline(always)]
+fn certificate<T: Number>(leaf: &NetLeaf) -> [T; 3] {
     let bound = |shift: u32| {
         let byte = leaf.certificate >> shift & 0xff;
         if byte == 255 { T::INFINITY } else { T::from_f32(byte as f32 / 64.0) }

@@ -2,17 +2,18 @@
 
 use super::analytic::{Span, carrier_curvature, carrier_parameters, carrier_roots, carrier_tangents};
 use super::bvh::{BvhRay, Met, Walk, bvh_ray, next_primitive, start_walk};
-use super::cover::{Cover, cover, is_far_outside, to_window, window_margin};
+use super::cover::{Cover, Place, cover, is_far_outside, to_window, window_margin};
 use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
-use super::net::{NetRoot, leaf_domain, leaf_roots};
+use super::leaf::{Domain, NetRoot, leaf_domain};
+use super::net::leaf_roots;
 use super::ray_space::{
     Distance, GridStep, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number};
 use super::{Kernel, NO_NET};
-use crate::numeric::Real;
+use crate::numeric::Number;
 use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
@@ -183,13 +184,12 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
     }
 
     fn trace_instance(&mut self, ray: &WorldRay<T>, instance: u32) -> ControlFlow<()> {
-        match enter_instance(ray, &T::instance(self.scene, instance), self.step) {
-            Some(part_ray) => {
-                self.tally.count(Step::Instance);
-                self.trace_part(&part_ray, instance)
-            }
-            None => ControlFlow::Continue(()),
+        let (may_meet, part_ray) = enter_instance(ray, &T::instance(self.scene, instance), self.step);
+        if !may_meet {
+            return ControlFlow::Continue(());
         }
+        self.tally.count(Step::Instance);
+        self.trace_part(&part_ray, instance)
     }
 
     /// The hits of an instance's part.
@@ -233,14 +233,15 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             if is_far_outside(uv) {
                 continue;
             }
-            let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
-            let curvature = carrier_curvature(face.kind, point, face.radii);
-            let footprint = footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale);
-            let margin = [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]));
+            let footprint = face_footprint(&face, point, direction);
+            let place = Place { at: uv, margin: window_margins(&face), extent: footprint.extent() };
+            if place.is_outside() {
+                continue;
+            }
             // All faces of a part are tried at the same sides.
             let sides = || sides(part_ray.direction).map(|side| apply_rows(&face.axes, side));
             let record = &scene.faces[index as usize];
-            let cover = cover(scene, record, face.period, uv, margin, &footprint, sides, self.tally);
+            let cover = cover(scene, record, face.period, &place, || (footprint, sides()), self.tally);
             if cover != Cover::Outside {
                 let certainty = Certainty::of(cover, footprint.is_grazing);
                 let (face, net, is_shallow) = (index, NO_NET, is_shallow(footprint.cosine));
@@ -292,8 +293,8 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
 }
 
 /// Whether that is so at this cosine of the angle between ray and normal.
-pub fn is_shallow<T: Real>(cosine: T) -> bool {
-    cosine.abs() < number(SHALLOW)
+pub fn is_shallow<T: Number>(cosine: T) -> T::Mask {
+    cosine.abs().is_less(number(SHALLOW))
 }
 
 fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {
@@ -302,12 +303,37 @@ fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance
 
 /// Normalised face parameters of a point of the carrier, in the carrier's frame, wrapped.
 #[inline(always)]
-pub fn window_parameters<T: Real>(face: &FaceFrame<T>, point: Vector3<T>) -> [T; 2] {
+pub fn window_parameters<T: Number>(face: &FaceFrame<T>, point: Vector3<T>) -> [T; 2] {
     let parameters = carrier_parameters(face.kind, point, face.radii);
     [0, 1].map(|k| to_window((parameters[k] - face.uv_low[k]) * face.uv_scale[k], face.period[k]))
 }
 
-/// How a root lies to the border of its face. A leaf's own trim state holds on its own domain only.
+/// The footprint of a ray on a face, at a point of the carrier in the carrier's frame; in normalised parameters.
+#[inline(always)]
+pub fn face_footprint<T: Number>(face: &FaceFrame<T>, point: Vector3<T>, direction: Vector3<T>) -> Footprint<T> {
+    let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
+    let curvature = carrier_curvature(face.kind, point, face.radii);
+    footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale)
+}
+
+/// What normalised parameters of a face are rounded by.
+#[inline(always)]
+pub fn window_margins<T: Number>(face: &FaceFrame<T>) -> [T; 2] {
+    [0, 1].map(|k| window_margin(face.uv_low[k], face.uv_scale[k]))
+}
+
+/// Whether the footprint of a root lies within the leaf's own domain, on which its trim state holds.
+#[inline(always)]
+pub fn is_in_leaf<T: Number>(domain: &Domain<T>, root: &NetRoot<T>) -> T::Mask {
+    let extent = root.footprint.extent();
+    let [u, v] = [0, 1].map(|k| {
+        let from_low = root.uv[k] - domain.low[k];
+        extent[k].is_at_most(from_low) & extent[k].is_at_most(domain.size[k] - from_low)
+    });
+    u & v
+}
+
+/// How a root lies to the border of its face.
 fn leaf_cover<T: Kernel>(
     scene: &Scene<'_>,
     leaf: &NetLeaf,
@@ -317,22 +343,21 @@ fn leaf_cover<T: Kernel>(
     direction: Vector3<T>,
     tally: &mut impl Tally,
 ) -> Cover {
-    let (domain, extent) = (leaf_domain::<T>(leaf), root.footprint.extent());
-    let is_own = |k: usize| {
-        let from_low = root.uv[k] - domain.low[k];
-        from_low >= extent[k] && domain.size[k] - from_low >= extent[k]
-    };
-    if leaf.trim == TRIM_INSIDE && is_own(0) && is_own(1) {
+    if leaf.trim == TRIM_INSIDE && is_in_leaf(&leaf_domain(leaf), root) {
         return Cover::Inside;
     }
-    let uv = face_parameters(net, face.period, root.uv);
+    let at = face_parameters(net, face.period, root.uv);
     let footprint: Footprint<T> = root.footprint.scaled(net.uv_size.map(T::from_f32));
+    let place = Place { at, margin: [T::ZERO; 2], extent: footprint.extent() };
+    if place.is_outside() {
+        return Cover::Outside;
+    }
     let period = face.period.map(T::from_f32);
-    cover(scene, face, period, uv, [T::ZERO; 2], &footprint, || sides(direction), tally)
+    cover(scene, face, period, &place, || (footprint, sides(direction)), tally)
 }
 
 /// Normalised face parameters of a net's local ones, wrapped.
-pub fn face_parameters<T: Kernel>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
+pub fn face_parameters<T: Number>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
     [0, 1].map(|k| {
         let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);
         to_window(p, T::from_f32(period[k]))

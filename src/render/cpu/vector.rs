@@ -1,6 +1,6 @@
-//! Three-vectors over [`Real`], with the operators that WGSL's `vec3` has.
+//! Three-vectors over [`Number`], with the operators that WGSL's `vec3` has.
 
-use crate::numeric::Real;
+use crate::numeric::{Number, Real};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Three numbers.
@@ -16,7 +16,7 @@ pub struct Vector3<T> {
 
 /// The nearest `T`; for constants.
 #[inline(always)]
-pub fn number<T: Real>(value: f64) -> T {
+pub fn number<T: Number>(value: f64) -> T {
     T::from_f64(value)
 }
 
@@ -26,7 +26,7 @@ pub const fn vec3<T>(x: T, y: T, z: T) -> Vector3<T> {
     Vector3 { x, y, z }
 }
 
-impl<T: Real> Vector3<T> {
+impl<T: Number> Vector3<T> {
     /// Exact.
     #[inline(always)]
     pub fn from_f32(v: [f32; 3]) -> Self {
@@ -36,11 +36,6 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn from_f64(v: [f64; 3]) -> Self {
         vec3(T::from_f64(v[0]), T::from_f64(v[1]), T::from_f64(v[2]))
-    }
-    /// Exact.
-    #[inline(always)]
-    pub fn to_f64(self) -> glam::DVec3 {
-        glam::DVec3::new(self.x.to_f64(), self.y.to_f64(), self.z.to_f64())
     }
     /// The inner product.
     #[inline(always)]
@@ -78,15 +73,23 @@ impl<T: Real> Vector3<T> {
     }
 }
 
-impl Vector3<f32> {
+impl<T: Real> Vector3<T> {
     /// Exact.
     #[inline(always)]
-    pub fn widened(self) -> Vector3<f64> {
-        vec3(self.x.into(), self.y.into(), self.z.into())
+    pub fn to_f64(self) -> glam::DVec3 {
+        glam::DVec3::new(self.x.to_f64(), self.y.to_f64(), self.z.to_f64())
     }
 }
 
-impl<T: Real> Add for Vector3<T> {
+impl Vector3<f32> {
+    /// The same in other numbers, which hold those of f32.
+    #[inline(always)]
+    pub fn in_numbers<T: Number>(self) -> Vector3<T> {
+        vec3(T::from_f32(self.x), T::from_f32(self.y), T::from_f32(self.z))
+    }
+}
+
+impl<T: Number> Add for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -94,7 +97,7 @@ impl<T: Real> Add for Vector3<T> {
     }
 }
 
-impl<T: Real> Sub for Vector3<T> {
+impl<T: Number> Sub for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -102,7 +105,7 @@ impl<T: Real> Sub for Vector3<T> {
     }
 }
 
-impl<T: Real> Neg for Vector3<T> {
+impl<T: Number> Neg for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -110,7 +113,7 @@ impl<T: Real> Neg for Vector3<T> {
     }
 }
 
-impl<T: Real> Mul<T> for Vector3<T> {
+impl<T: Number> Mul<T> for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: T) -> Self {

@@ -124,9 +124,10 @@ impl<'a> Reference<'a> {
         let mut found = Vec::new();
         for index in 0..self.scene.instances.len() as u32 {
             let instance = f64::instance(&self.scene, index);
-            let Some(part_ray) = enter_instance(&prepared.ray, &instance, GridStep::of(header)) else {
+            let (may_meet, part_ray) = enter_instance(&prepared.ray, &instance, GridStep::of(header));
+            if !may_meet {
                 continue;
-            };
+            }
             let contents = &self.parts[self.scene.instances[index as usize].part as usize];
             for &(face, size) in &contents.faces {
                 self.meet_face(&part_ray, index, face, size, &mut found)?;
