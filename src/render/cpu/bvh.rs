@@ -10,12 +10,12 @@ use super::Kernel;
 use super::lanes::Octet;
 use super::tally::{Step, Tally};
 use super::vector::{Vector3, number};
-use crate::numeric::Real;
+use crate::numeric::{Number, Real};
 use crate::scene::{BvhNode, MAX_TREE_DEPTH, Scene};
 use arrayvec::ArrayVec;
 
 /// Children that wait at most: of each level of a validated tree all but the one that is visited, and all of the last.
-const STACK_SIZE: usize = 7 * MAX_TREE_DEPTH + 1;
+pub const STACK_SIZE: usize = 7 * MAX_TREE_DEPTH + 1;
 
 /// A ray as the node test wants it.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ pub struct BvhRay<T> {
 
 /// A ray along one axis.
 #[derive(Debug, Clone, Copy)]
-struct AxisRay<T> {
+pub struct AxisRay<T> {
     origin: T,
     /// 1 / direction, ±1e18 where the direction is 0.
     inverse: T,
@@ -75,27 +75,29 @@ pub struct Met<T> {
 #[inline]
 pub fn bvh_ray<T: Real>(origin: Vector3<T>, direction: Vector3<T>) -> BvhRay<T> {
     let bit = |component: T, bit: u32| if component < T::ZERO { 0 } else { bit };
+    BvhRay {
+        axes: axis_rays(origin, direction),
+        octant: bit(direction.x, 4) | bit(direction.y, 2) | bit(direction.z, 1),
+    }
+}
+
+/// A ray along the three axes.
+#[inline(always)]
+pub fn axis_rays<T: Number>(origin: Vector3<T>, direction: Vector3<T>) -> [AxisRay<T>; 3] {
     let axis = |origin: T, direction: T| {
         let inverse = inverse(direction);
         let rounding = inverse.abs() * (number::<T>(8.0) * T::EPSILON);
         AxisRay { origin, inverse, rounding, origin_rounding: origin.abs() * rounding }
     };
-    BvhRay {
-        axes: [axis(origin.x, direction.x), axis(origin.y, direction.y), axis(origin.z, direction.z)],
-        octant: bit(direction.x, 4) | bit(direction.y, 2) | bit(direction.z, 1),
-    }
+    [axis(origin.x, direction.x), axis(origin.y, direction.y), axis(origin.z, direction.z)]
 }
 
 /// 1 / x; ±1e18 near 0, so that products with millimetres stay finite in f32. The sign agrees with the octant, for −0 too.
 #[inline(always)]
-fn inverse<T: Real>(x: T) -> T {
-    if x.abs() >= number(1e-18) {
-        T::ONE / x
-    } else if x < T::ZERO {
-        number(-1e18)
-    } else {
-        number(1e18)
-    }
+fn inverse<T: Number>(x: T) -> T {
+    let is_large = number::<T>(1e-18).is_at_most(x.abs());
+    let most = T::choose(x.is_less(T::ZERO), number(-1e18), number(1e18));
+    T::choose(is_large, T::ONE / x, most)
 }
 
 /// Starts a walk over a tree of `node_count` nodes.
@@ -206,7 +208,7 @@ fn narrow<T: Kernel>(
 /// A plane's position takes five roundings of terms no greater than `|origin| + |p − origin| + 255 · spacing`: early and late differ from
 /// the rounded value by 8 ε of that sum.
 #[inline(always)]
-fn axis_terms<T: Real>(p: f32, exponent: u8, ray: &AxisRay<T>) -> [T; 3] {
+pub fn axis_terms<T: Number>(p: f32, exponent: u8, ray: &AxisRay<T>) -> [T; 3] {
     let spacing = T::from_f32(f32::from_bits(u32::from(exponent) << 23));
     let start = T::from_f32(p) - ray.origin;
     let slack = (start.abs() + spacing * number(255.0)) * ray.rounding + ray.origin_rounding;

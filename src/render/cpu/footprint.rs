@@ -6,7 +6,7 @@
 //! same directions: where two of them meet, each place is the one's or the other's, so that no ray slips between.
 
 use super::vector::{Vector3, number, vec3};
-use crate::numeric::{Mask, Number, Real};
+use crate::numeric::{Eight, Mask, Number, Real};
 
 /// |cos| of the angle between ray and normal below which two hits may always be found as one or not at all (cells of the last level of a leaf's
 /// quadtree are 1/256 of it, and the leaf bends by an eighth of its size).
@@ -62,6 +62,17 @@ impl<T: Number> Footprint<T> {
     pub fn place(self, uv: [T; 2], sides: [Vector3<T>; 2], side: usize) -> [T; 2] {
         let [u, v] = self.slopes.map(|slope| slope.dot(sides[side >> 1]));
         if side & 1 == 0 { [uv[0] + u, uv[1] + v] } else { [uv[0] - u, uv[1] - v] }
+    }
+}
+
+impl Footprint<Eight> {
+    /// One of the eight footprints.
+    pub fn lane(self, lane: usize) -> Footprint<f32> {
+        Footprint {
+            slopes: self.slopes.map(|slope| slope.lane(lane)),
+            cosine: self.cosine.to_array()[lane],
+            is_grazing: self.is_grazing.bits() >> lane & 1 == 1,
+        }
     }
 }
 

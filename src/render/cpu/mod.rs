@@ -32,6 +32,8 @@ pub(super) mod light;
 mod net;
 mod newton;
 mod occlusion;
+mod packet;
+mod packet_bvh;
 pub(super) mod parity;
 pub(super) mod path;
 mod paths;

@@ -35,6 +35,18 @@ pub fn major_axis<T: Real>(direction: Vector3<T>) -> usize {
     }
 }
 
+/// Whether `major` is the [`major_axis`] of directions.
+#[inline(always)]
+pub fn is_along<T: Number>(direction: Vector3<T>, major: usize) -> T::Mask {
+    let [x, y, z] = direction.to_array().map(T::abs);
+    let is_first = y.is_at_most(x) & z.is_at_most(x);
+    match major {
+        0 => is_first,
+        1 => !is_first & z.is_at_most(y),
+        _ => !is_first & !z.is_at_most(y),
+    }
+}
+
 /// The planes of rays whose directions are greatest along the axis `major`.
 #[inline(always)]
 pub fn planes_along<T: Number>(direction: Vector3<T>, major: usize) -> RayPlanes<T> {

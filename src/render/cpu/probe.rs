@@ -3,6 +3,7 @@
 use super::beside::settle;
 use super::footprint::{LONGEST, same_place};
 use super::hit::{finish_hit, hit_normal, world_slack};
+use super::packet::{LANES, Segment, first_hits};
 use super::parity::{Crossing, consistent};
 use super::ray_space::{Distance, PreparedRay, prepare};
 use super::trace::{Certainty, RawHit, first_hit, trace};
@@ -81,12 +82,19 @@ pub fn probe_with(
 
 /// How far each ray goes to its first hit, as pictures take it: in f32, and whatever the bodies can have. Infinite where it meets nothing.
 pub fn first_distances(scene: &Scene<'_>, rays: &[Ray]) -> Vec<f64> {
-    let distance = |ray: &Ray| {
-        let prepared = prepare::<f32>(ray, scene.header)?;
-        let hit = first_hit(scene, Exactness::default(), &prepared.ray, prepared.near)?;
-        Some(prepared.start + hit.distance.to_f64())
-    };
-    rays.par_iter().map(|ray| distance(ray).unwrap_or(f64::INFINITY)).collect()
+    let mut distances = vec![f64::INFINITY; rays.len()];
+    distances.par_chunks_mut(LANES).zip(rays.par_chunks(LANES)).for_each(|(distances, rays)| {
+        let prepared: [Option<PreparedRay<f32>>; LANES] =
+            std::array::from_fn(|lane| rays.get(lane).and_then(|ray| prepare(ray, scene.header)));
+        let segments = std::array::from_fn(|lane| prepared[lane].as_ref().map(Segment::of));
+        let hits = first_hits(scene, Exactness::default(), &segments);
+        for (distance, (prepared, hit)) in distances.iter_mut().zip(prepared.iter().zip(&hits)) {
+            if let (Some(prepared), Some(hit)) = (prepared, hit) {
+                *distance = prepared.start + hit.distance.to_f64();
+            }
+        }
+    });
+    distances
 }
 
 /// The hits of one ray.

@@ -22,7 +22,7 @@
 
 use super::frames::{FaceFrame, InstanceFrame, grid_difference, grid_position};
 use super::vector::{Vector3, number};
-use crate::numeric::{Number, Real, Whole};
+use crate::numeric::{Eight, Number, Real, Whole};
 use crate::render::Ray;
 use crate::scene::Header;
 use glam::DVec3;
@@ -73,6 +73,21 @@ pub struct WorldRay<T: Number> {
     pub direction_low: Vector3<T>,
 }
 
+impl WorldRay<Eight> {
+    /// Of eight rays.
+    pub fn of_lanes(rays: &[WorldRay<f32>; 8]) -> Self {
+        let vectors = |vector: fn(&WorldRay<f32>) -> Vector3<f32>| {
+            Vector3::of_lanes(std::array::from_fn(|lane| vector(&rays[lane])))
+        };
+        Self {
+            grid: std::array::from_fn(|k| std::array::from_fn(|lane| rays[lane].grid[k]).into()),
+            fraction: vectors(|ray| ray.fraction),
+            direction: vectors(|ray| ray.direction),
+            direction_low: vectors(|ray| ray.direction_low),
+        }
+    }
+}
+
 /// A ray in part space: `grid · grid_step + fraction + (t − anchor) · direction`.
 #[derive(Debug, Clone, Copy)]
 pub struct PartRay<T: Number> {
@@ -116,6 +131,23 @@ pub struct PreparedRay<T: Number> {
     pub near: Distance<T>,
     /// Whether that origin lies outside of the scene's sphere.
     pub starts_outside: bool,
+}
+
+impl PartRay<Eight> {
+    /// One of the eight rays.
+    pub fn lane(&self, lane: usize) -> PartRay<f32> {
+        let number = |eight: Eight| eight.to_array()[lane];
+        PartRay {
+            grid: self.grid.map(|along| along.to_array()[lane]),
+            fraction: self.fraction.lane(lane),
+            direction: self.direction.lane(lane),
+            direction_low: self.direction_low.lane(lane),
+            per_square: number(self.per_square),
+            anchor: number(self.anchor),
+            near_origin: self.near_origin.lane(lane),
+            near_anchor: number(self.near_anchor),
+        }
+    }
 }
 
 /// The step of the grid, a power of two, and its reciprocal: products with both are exact.

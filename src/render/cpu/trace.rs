@@ -6,7 +6,7 @@ use super::cover::{Cover, Place, cover, is_far_outside, to_window, window_margin
 use super::footprint::{Footprint, footprint, sides};
 use super::frames::{FaceFrame, grid_position};
 use super::leaf::{Domain, NetRoot, leaf_domain};
-use super::net::leaf_roots;
+use super::net::{MAX_ROOTS, leaf_roots};
 use super::ray_space::{
     Distance, GridStep, PartRay, WorldRay, apply_rows, approach_frame, approach_point, enter_instance,
 };
@@ -17,6 +17,7 @@ use crate::numeric::Number;
 use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
 use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
+use arrayvec::ArrayVec;
 use std::ops::ControlFlow;
 
 /// |cos| of the angle between ray and normal below which hits are shallow.
@@ -61,7 +62,7 @@ impl Certainty {
         [Self::Certain, Self::Own].into_iter().find(|&own| own as u32 == word).unwrap_or(Self::Border)
     }
 
-    fn of(cover: Cover, is_grazing: bool) -> Self {
+    pub fn of(cover: Cover, is_grazing: bool) -> Self {
         match (cover, is_grazing) {
             (Cover::Inside, false) => Self::Certain,
             (Cover::Inside | Cover::Near, _) => Self::Own,
@@ -147,6 +148,25 @@ pub fn trace_tallied<T: Kernel>(
     let step = GridStep::of(scene.header);
     let mut trace = Trace { scene, search: search.into(), step, near, far, accept, tally };
     _ = trace.trace_instances(ray);
+}
+
+/// The hits of one ray in a leaf between `near` and `far`, in no order.
+pub fn leaf_hits(
+    scene: &Scene<'_>,
+    search: NetSearch,
+    ray: &PartRay<f32>,
+    [instance, leaf]: [u32; 2],
+    [near, far]: [Distance<f32>; 2],
+) -> ArrayVec<RawHit<f32>, MAX_ROOTS> {
+    let mut hits = ArrayVec::new();
+    let mut accept = |hit: RawHit<f32>| {
+        hits.push(hit);
+        Some(far)
+    };
+    let step = GridStep::of(scene.header);
+    let mut trace = Trace { scene, search, step, near, far, accept: &mut accept, tally: &mut () };
+    _ = trace.trace_leaf(ray, instance, leaf);
+    hits
 }
 
 /// A trace in progress.
@@ -297,8 +317,10 @@ pub fn is_shallow<T: Number>(cosine: T) -> T::Mask {
     cosine.abs().is_less(number(SHALLOW))
 }
 
-fn is_between<T: Kernel>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> bool {
-    distance.minus(near) >= T::ZERO && distance.minus(far) <= T::ZERO
+/// Whether that is so.
+#[inline(always)]
+pub fn is_between<T: Number>(distance: Distance<T>, near: Distance<T>, far: Distance<T>) -> T::Mask {
+    T::ZERO.is_at_most(distance.minus(near)) & distance.minus(far).is_at_most(T::ZERO)
 }
 
 /// Normalised face parameters of a point of the carrier, in the carrier's frame, wrapped.
@@ -357,6 +379,7 @@ fn leaf_cover<T: Kernel>(
 }
 
 /// Normalised face parameters of a net's local ones, wrapped.
+#[inline(always)]
 pub fn face_parameters<T: Number>(net: &Net, period: [f32; 2], uv: [T; 2]) -> [T; 2] {
     [0, 1].map(|k| {
         let p = T::from_f32(net.uv_low[k]) + uv[k] * T::from_f32(net.uv_size[k]);

@@ -1,6 +1,6 @@
 //! Three-vectors over [`Number`], with the operators that WGSL's `vec3` has.
 
-use crate::numeric::{Number, Real};
+use crate::numeric::{Eight, Number, Real};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Three numbers.
@@ -86,6 +86,24 @@ impl Vector3<f32> {
     #[inline(always)]
     pub fn in_numbers<T: Number>(self) -> Vector3<T> {
         vec3(T::from_f32(self.x), T::from_f32(self.y), T::from_f32(self.z))
+    }
+}
+
+impl Vector3<Eight> {
+    /// One of the eight vectors.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> Vector3<f32> {
+        vec3(self.x.to_array()[lane], self.y.to_array()[lane], self.z.to_array()[lane])
+    }
+
+    /// Of eight vectors.
+    #[inline(always)]
+    pub fn of_lanes(vectors: [Vector3<f32>; 8]) -> Self {
+        vec3(
+            Eight::new(vectors.map(|v| v.x)),
+            Eight::new(vectors.map(|v| v.y)),
+            Eight::new(vectors.map(|v| v.z)),
+        )
     }
 }
 

@@ -1,0 +1,375 @@
+//! First hits of eight rays together (Wald et al. 2001, "Interactive Rendering with Coherent Ray Tracing"): a node, a face and a net are read once for all, and
+//! computed on in the lanes of vectors.
+//!
+//! Each ray gets the hit that it gets alone ([`super::trace`]), to the bit: lanes round as single numbers do, a root does not depend on what was found before it,
+//! and which of several hits is the first not on the order in which they are found. There is one exception to that in `trace`: a hit just before the box of
+//! its leaf counts only if nothing is found before the box, for else the box is not entered. So here a hit counts from where the box begins that it was found by.
+//!
+//! What few hits need is done ray by ray: tori, leaves that may be met more than once, the trims.
+
+use super::analytic::{Span, quadric_roots};
+use super::cover::{Cover, Place, cover, is_far_outside};
+use super::footprint::{Footprint, sides};
+use super::frames::{FaceFrame, grid_position};
+use super::leaf::{LeafRay, leaf_domain, leaf_pole};
+use super::newton::unique_root;
+use super::net::unique_start;
+use super::packet_bvh::{PacketMet, PacketWalk};
+use super::planes::{is_along, major_axis, planes_along};
+use super::ray_space::{
+    Distance, GridStep, PartRay, PreparedRay, WorldRay, apply_rows, approach_frame, approach_point,
+    enter_instance,
+};
+use super::slab::intersect_slab;
+use super::torus::torus_roots;
+use super::trace::{
+    Certainty, RawHit, comes_before, face_footprint, face_parameters, is_between, is_in_leaf, is_shallow,
+    leaf_hits, window_margins, window_parameters,
+};
+use super::vector::Vector3;
+use super::{Kernel, NO_NET};
+use crate::numeric::{Eight, Mask, Mask8};
+use crate::render::NetSearch;
+use crate::scene::primitive::{Primitive, unpack};
+use crate::scene::{Face, FaceKind, Scene, TRIM_INSIDE};
+
+/// Rays of a packet.
+pub const LANES: usize = 8;
+
+/// A ray, and the part of it that matters.
+#[derive(Debug, Clone, Copy)]
+pub struct Segment {
+    /// The ray.
+    pub ray: WorldRay<f32>,
+    /// Hits before this do not matter …
+    pub near: Distance<f32>,
+    /// … nor those beyond.
+    pub far: Distance<f32>,
+}
+
+impl Segment {
+    /// All of a ray that starts somewhere.
+    pub fn of(prepared: &PreparedRay<f32>) -> Self {
+        Self { ray: prepared.ray, near: prepared.near, far: Distance::INFINITE }
+    }
+}
+
+/// The first hits of rays: of each what [`super::trace::first_hit_before`] finds of it alone.
+pub fn first_hits(
+    scene: &Scene<'_>,
+    search: impl Into<NetSearch>,
+    segments: &[Option<Segment>; LANES],
+) -> [Option<RawHit<f32>>; LANES] {
+    let Some(some) = segments.iter().flatten().next() else { return [None; LANES] };
+    let all = segments.map(|segment| segment.unwrap_or(*some));
+    let asked = (0..LANES).fold(0, |bits, lane| bits | u32::from(segments[lane].is_some()) << lane);
+    let mut trace = PacketTrace {
+        scene,
+        search: search.into(),
+        step: GridStep::of(scene.header),
+        near: distances(all.map(|segment| segment.near)),
+        far: Far { anchor: all.map(|segment| segment.far.anchor), offset: all.map(|segment| segment.far.offset) },
+        first: [None; LANES],
+    };
+    trace.trace_instances(&WorldRay::of_lanes(&all.map(|segment| segment.ray)), Mask8::of_bits(asked));
+    trace.first
+}
+
+fn distances(lanes: [Distance<f32>; LANES]) -> Distance<Eight> {
+    Distance { anchor: Eight::new(lanes.map(|d| d.anchor)), offset: Eight::new(lanes.map(|d| d.offset)) }
+}
+
+/// Where the rays end, lane by lane.
+#[derive(Debug, Clone, Copy)]
+struct Far {
+    anchor: [f32; LANES],
+    offset: [f32; LANES],
+}
+
+impl Far {
+    #[inline(always)]
+    fn all(&self) -> Distance<Eight> {
+        Distance { anchor: Eight::new(self.anchor), offset: Eight::new(self.offset) }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Distance<f32> {
+        Distance { anchor: self.anchor[lane], offset: self.offset[lane] }
+    }
+}
+
+/// The indices of an instance, a face and a net or none.
+type Place3 = [u32; 3];
+
+/// A trace in progress.
+struct PacketTrace<'t> {
+    scene: &'t Scene<'t>,
+    search: NetSearch,
+    step: GridStep<Eight>,
+    near: Distance<Eight>,
+    /// Where hits end to matter; once there is one, where it counts.
+    far: Far,
+    first: [Option<RawHit<f32>>; LANES],
+}
+
+impl PacketTrace<'_> {
+    fn trace_instances(&mut self, ray: &WorldRay<Eight>, asked: Mask8) {
+        let scene = self.scene;
+        if scene.instances.len() == 1 {
+            return self.trace_instance(ray, 0, asked);
+        }
+        let origin = grid_position::<Eight>(ray.grid, self.step.size) + ray.fraction;
+        let mut walk = PacketWalk::new([0, scene.header.node_count, 0], origin, ray.direction, asked);
+        while let Some(met) =
+            walk.next(scene, self.near.beyond(Eight::ZERO), self.far.all().beyond(Eight::ZERO))
+        {
+            self.trace_instance(ray, met.word, met.rays);
+        }
+    }
+
+    fn trace_instance(&mut self, ray: &WorldRay<Eight>, instance: u32, asked: Mask8) {
+        let scene = self.scene;
+        let frame = f32::instance(scene, instance).in_numbers();
+        let (may_meet, ray) = enter_instance(ray, &frame, self.step);
+        let asked = asked & may_meet;
+        if !asked.any() {
+            return;
+        }
+        let part = &scene.parts[scene.instances[instance as usize].part as usize];
+        let tree = [part.first_node, part.node_count, part.first_primitive];
+        let mut walk = PacketWalk::new(tree, ray.near_origin, ray.direction, asked);
+        let near = self.near.beyond(ray.near_anchor);
+        while let Some(met) = walk.next(scene, near, self.far.all().beyond(ray.near_anchor)) {
+            match unpack(met.word) {
+                Primitive::Face(face) => self.trace_face(&ray, instance, face, &met),
+                Primitive::NetLeaf(leaf) => self.trace_leaf(&ray, instance, leaf, &met),
+            }
+        }
+    }
+
+    fn trace_face(&mut self, part_ray: &PartRay<Eight>, instance: u32, index: u32, met: &PacketMet) {
+        let scene = self.scene;
+        let narrow = f32::face(scene, index);
+        let face: FaceFrame<Eight> = narrow.in_numbers();
+        let ray = approach_frame(part_ray, &face, self.step);
+        let origin = apply_rows(&face.axes, ray.origin);
+        let direction = apply_rows(&face.axes, ray.direction);
+        let at_face = FaceRays { instance, index, narrow, face, anchor: ray.anchor, origin, direction };
+        if face.kind == FaceKind::Torus as u32 {
+            let before = part_ray.near_anchor - ray.anchor;
+            let ends = met.span.map(|t| (before + t).to_array());
+            let mut roots = [([f32::NAN; LANES], 0_u32); 4];
+            for lane in lanes(met.rays) {
+                let span = Span { ends: ends.map(|end| end[lane]), slack: narrow.slack };
+                let [major, minor] = narrow.radii;
+                let found = torus_roots(origin.lane(lane), direction.lane(lane), major, minor, &span);
+                for (&t, root) in found.t[..found.count].iter().zip(&mut roots) {
+                    root.0[lane] = t;
+                    root.1 |= 1 << lane;
+                }
+            }
+            for (t, exists) in roots {
+                self.meet_face(part_ray, &at_face, Eight::new(t), Mask8::of_bits(exists), met);
+            }
+            return;
+        }
+        let roots = quadric_roots(face.kind, origin, direction, face.radii);
+        for (t, exists) in roots.t.into_iter().zip(roots.exists) {
+            self.meet_face(part_ray, &at_face, t, met.rays & exists, met);
+        }
+    }
+
+    #[inline(always)]
+    fn meet_face(
+        &mut self,
+        part_ray: &PartRay<Eight>,
+        at: &FaceRays,
+        t: Eight,
+        exists: Mask8,
+        met: &PacketMet,
+    ) {
+        let scene = self.scene;
+        let distance = Distance { anchor: at.anchor, offset: t };
+        let mut hit = exists & is_between(distance, self.near, self.far.all());
+        if !hit.any() {
+            return;
+        }
+        let point = at.origin + at.direction * t;
+        let uv = window_parameters(&at.face, point);
+        hit = hit & !is_far_outside(uv);
+        if !hit.any() {
+            return;
+        }
+        let footprint = face_footprint(&at.face, point, at.direction);
+        let place = Place { at: uv, margin: window_margins(&at.face), extent: footprint.extent() };
+        hit = hit & !place.is_outside();
+        let record = &scene.faces[at.index as usize];
+        let sides = |lane: usize| {
+            sides(part_ray.direction.lane(lane)).map(|side| apply_rows(&at.narrow.axes, side))
+        };
+        let margin = window_margins(&at.narrow);
+        let found = Found { distance, uv, footprint, ids: [at.instance, at.index, NO_NET] };
+        self.meet_all(part_ray, hit, record, at.narrow.period, (&place, margin), &footprint, sides, &found, met);
+    }
+
+    fn trace_leaf(&mut self, part_ray: &PartRay<Eight>, instance: u32, index: u32, met: &PacketMet) {
+        let scene = self.scene;
+        let leaf = &scene.net_leaves[index as usize];
+        let net = &scene.nets[leaf.net as usize];
+        let face = &scene.faces[net.face as usize];
+        let center = Vector3::<Eight>::from_f32(leaf.center);
+        let ray = approach_point(part_ray, face.grid, center, self.step);
+        let far = self.far.all();
+        let (from, to) = (self.near.beyond(ray.anchor), far.beyond(ray.anchor));
+        let (meets, slab) = intersect_slab(leaf, &ray, from, to);
+        let asked = met.rays & meets;
+        if !asked.any() {
+            return;
+        }
+        let first = lanes(asked).next().unwrap_or(0);
+        let major = major_axis(ray.direction.lane(first));
+        let unique = asked & slab.unique & is_along(ray.direction, major);
+        for lane in lanes(asked & !unique) {
+            let ends = [self.near_of(lane), self.far.lane(lane)];
+            for hit in leaf_hits(scene, self.search, &part_ray.lane(lane), [instance, index], ends) {
+                self.meet(part_ray, lane, hit, met);
+            }
+        }
+        if !unique.any() {
+            return;
+        }
+        let domain = leaf_domain::<Eight>(leaf);
+        let at = LeafRay {
+            leaf,
+            net,
+            domain,
+            ray,
+            planes: planes_along(ray.direction, major),
+            slack: Eight::splat(face.slack),
+            pole: leaf_pole(net, &leaf_domain::<f32>(leaf)),
+            newton_stop: Eight::splat(self.search.newton_stop),
+        };
+        let (exists, root) = unique_root(scene, &at, unique_start(&slab, &domain), unique, &mut ());
+        let distance = Distance { anchor: ray.anchor, offset: root.t };
+        let mut hit = exists & is_between(distance, self.near, self.far.all());
+        if !hit.any() {
+            return;
+        }
+        let ids = [instance, net.face, leaf.net];
+        let found = Found { distance, uv: root.uv, footprint: root.footprint, ids };
+        if leaf.trim == TRIM_INSIDE {
+            let is_own = hit & is_in_leaf(&domain, &root);
+            for lane in lanes(is_own) {
+                self.meet(part_ray, lane, found.hit(lane, Cover::Inside), met);
+            }
+            hit = hit & !is_own;
+            if !hit.any() {
+                return;
+            }
+        }
+        let footprint = root.footprint.scaled(net.uv_size.map(Eight::splat));
+        let at = face_parameters(net, face.period, root.uv);
+        let place = Place { at, margin: [Eight::ZERO; 2], extent: footprint.extent() };
+        hit = hit & !place.is_outside();
+        let sides = |lane: usize| sides(ray.direction.lane(lane));
+        self.meet_all(part_ray, hit, face, face.period, (&place, [0.0; 2]), &footprint, sides, &found, met);
+    }
+
+    /// Hands on those of the places that are on the face.
+    #[inline(always)]
+    fn meet_all(
+        &mut self,
+        part_ray: &PartRay<Eight>,
+        hit: Mask8,
+        face: &Face,
+        period: [f32; 2],
+        (place, margin): (&Place<Eight>, [f32; 2]),
+        footprint: &Footprint<Eight>,
+        sides: impl Fn(usize) -> [Vector3<f32>; 2],
+        found: &Found,
+        met: &PacketMet,
+    ) {
+        let (at, extent) = (place.at.map(Eight::to_array), place.extent.map(Eight::to_array));
+        for lane in lanes(hit) {
+            let place = Place { at: at.map(|x| x[lane]), margin, extent: extent.map(|x| x[lane]) };
+            let footprint = || (footprint.lane(lane), sides(lane));
+            let cover = cover(self.scene, face, period, &place, footprint, &mut ());
+            if cover != Cover::Outside {
+                self.meet(part_ray, lane, found.hit(lane, cover), met);
+            }
+        }
+    }
+
+    fn near_of(&self, lane: usize) -> Distance<f32> {
+        Distance { anchor: self.near.anchor.to_array()[lane], offset: self.near.offset.to_array()[lane] }
+    }
+
+    /// Keeps the hit if it is before the one that is kept.
+    #[inline]
+    fn meet(&mut self, part_ray: &PartRay<Eight>, lane: usize, hit: RawHit<f32>, met: &PacketMet) {
+        let begin = Distance {
+            anchor: part_ray.near_anchor.to_array()[lane],
+            offset: met.span[0].to_array()[lane],
+        };
+        let counts = if begin.minus(hit.distance) > 0.0 { begin } else { hit.distance };
+        let ahead = counts.minus(self.far.lane(lane));
+        let is_first = match &self.first[lane] {
+            None => ahead <= 0.0,
+            Some(first) => ahead < 0.0 || ahead == 0.0 && comes_before(&hit, first),
+        };
+        if is_first {
+            self.first[lane] = Some(hit);
+            (self.far.anchor[lane], self.far.offset[lane]) = (counts.anchor, counts.offset);
+        }
+    }
+}
+
+/// Rays at a face.
+struct FaceRays {
+    instance: u32,
+    index: u32,
+    narrow: FaceFrame<f32>,
+    face: FaceFrame<Eight>,
+    /// Where on the world rays those origins lie.
+    anchor: Eight,
+    /// In the carrier's frame …
+    origin: Vector3<Eight>,
+    /// … as this.
+    direction: Vector3<Eight>,
+}
+
+/// What hits have in common, and what each has.
+struct Found {
+    distance: Distance<Eight>,
+    uv: [Eight; 2],
+    footprint: Footprint<Eight>,
+    ids: Place3,
+}
+
+impl Found {
+    #[inline(always)]
+    fn hit(&self, lane: usize, cover: Cover) -> RawHit<f32> {
+        let number = |eight: Eight| eight.to_array()[lane];
+        let [instance, face, net] = self.ids;
+        RawHit {
+            distance: Distance { anchor: number(self.distance.anchor), offset: number(self.distance.offset) },
+            instance,
+            face,
+            net,
+            uv: self.uv.map(number),
+            certainty: Certainty::of(cover, self.footprint.is_grazing.bits() >> lane & 1 == 1),
+            is_shallow: is_shallow(number(self.footprint.cosine)),
+        }
+    }
+}
+
+/// The lanes in which a mask holds.
+#[inline(always)]
+fn lanes(mask: Mask8) -> impl Iterator<Item = usize> {
+    let mut bits = mask.bits();
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
