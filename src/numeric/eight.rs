@@ -186,7 +186,10 @@ mod tests {
                 for (lane, found) in eight.to_array().into_iter().enumerate() {
                     let expected = single(ODD[lane], other[lane]);
                     let is_nan = found.is_nan() && expected.is_nan();
-                    assert!(is_nan || found.to_bits() == expected.to_bits(), "{lane} {turn} {found} {expected}");
+                    assert!(
+                        is_nan || found.to_bits() == expected.to_bits(),
+                        "{lane} {turn} {found} {expected}"
+                    );
                 }
             };
             same(a + b, &|a, b| a + b);

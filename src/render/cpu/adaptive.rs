@@ -18,7 +18,8 @@ use super::occlusion::{REACH, Surface, smooth};
 use super::pixels::{
     BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived,
 };
-use super::shade::{hit_material, is_other};
+use super::shade::hit_material;
+use super::shade_rays::is_other;
 use super::vector::Vector3;
 use crate::image::{Film, RANKS, Share, Window};
 use crate::render::{Camera, RenderOptions, Sampling};

@@ -100,10 +100,10 @@ fn inverse<T: Number>(x: T) -> T {
     T::choose(is_large, T::ONE / x, most)
 }
 
-/// Starts a walk over a tree of `node_count` nodes.
+/// Starts a walk over a tree of `node_count` nodes that the ray meets from `begin` on.
 #[inline]
-pub fn start_walk<T: Real>(first_node: u32, node_count: u32, first_primitive: u32) -> Walk<T> {
-    let root = Child { span: [-T::INFINITY, T::INFINITY], index: 0, count: 0 };
+pub fn start_walk<T: Real>(first_node: u32, node_count: u32, first_primitive: u32, begin: T) -> Walk<T> {
+    let root = Child { span: [begin, T::INFINITY], index: 0, count: 0 };
     let mut waiting = ArrayVec::new();
     if node_count > 0 {
         waiting.push(root);
@@ -137,7 +137,9 @@ pub fn next_primitive<T: Kernel>(
         }
         tally.count(Step::Node);
         let node = &scene.bvh_nodes[(walk.first_node + child.index) as usize];
-        intersect_node(node, ray, near, far, &mut walk.waiting);
+        // No child begins before its parent, whatever its bytes are rounded to.
+        let span = [near.max(child.span[0]), far.min(child.span[1])];
+        intersect_node(node, ray, span, &mut walk.waiting);
     }
 }
 
@@ -146,8 +148,7 @@ pub fn next_primitive<T: Kernel>(
 fn intersect_node<T: Kernel>(
     node: &BvhNode,
     ray: &BvhRay<T>,
-    near: T,
-    far: T,
+    [near, far]: [T; 2],
     waiting: &mut ArrayVec<Child<T>, STACK_SIZE>,
 ) {
     let (mut met, spans) = children_met(node, ray, near, far);
@@ -323,7 +324,7 @@ mod tests {
         for (direction, order) in [(1.0, [0, 1, 2, 3, 4, 5, 6, 7]), (-1.0, [7, 6, 5, 4, 3, 2, 1, 0])] {
             let origin = vec3(80.0 - 200.0 * direction, 5.0, 5.0);
             let ray = bvh_ray::<f32>(origin, vec3(direction, 0.0, 0.0));
-            let mut walk = start_walk(0, 1, 0);
+            let mut walk = start_walk(0, 1, 0, f32::NEG_INFINITY);
             let mut far = f32::INFINITY;
             for expected in &order[..5] {
                 let met = next_primitive(&mut walk, &scene, &ray, 0.0, far, &mut ()).expect("a face");
@@ -372,7 +373,7 @@ mod tests {
         };
         let scene = buffers.scene();
         let ray = bvh_ray::<f64>(vec3(-10.0, 5.0, 5.0), vec3(1.0, 0.0, 0.0));
-        let mut walk = start_walk(0, 3, 0);
+        let mut walk = start_walk(0, 3, 0, f64::NEG_INFINITY);
         let next = || next_primitive(&mut walk, &scene, &ray, 0.0, f64::INFINITY, &mut ());
         let mut found: Vec<u32> = std::iter::from_fn(next).map(|met| met.word).collect();
         found.sort_unstable();

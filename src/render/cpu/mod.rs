@@ -46,6 +46,7 @@ pub(super) mod ray_space;
 mod render;
 pub(super) mod section;
 pub(super) mod shade;
+pub(super) mod shade_rays;
 mod slab;
 mod sobol;
 mod tally;
@@ -60,6 +61,8 @@ pub(super) mod vector;
 mod adaptive_tests;
 #[cfg(test)]
 mod exactness_tests;
+#[cfg(test)]
+mod packet_tests;
 #[cfg(test)]
 pub(super) mod test_scenes;
 #[cfg(test)]

@@ -37,6 +37,8 @@ pub struct NetRoots<T: Number> {
     pub count: usize,
     /// The roots.
     pub root: [NetRoot<T>; MAX_ROOTS],
+    /// Where the ray enters the leaf's slab, but for what it is found beside it.
+    pub begin: T,
     /// Whether there may be more: the search ended before its end, or found more than it keeps.
     pub is_cut: bool,
 }
@@ -53,8 +55,9 @@ pub fn leaf_roots<T: Kernel>(
     slack: T,
     tally: &mut impl Tally,
 ) -> NetRoots<T> {
-    let mut roots = NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], is_cut: false };
     let (meets, hit) = intersect_slab(leaf, ray, near, far);
+    let mut roots =
+        NetRoots { count: 0, root: [NetRoot::default(); MAX_ROOTS], begin: hit.enter, is_cut: false };
     if !meets {
         return roots;
     }

@@ -2,8 +2,7 @@
 //! computed on in the lanes of vectors.
 //!
 //! Each ray gets the hit that it gets alone ([`super::trace`]), to the bit: lanes round as single numbers do, a root does not depend on what was found before it,
-//! and which of several hits is the first not on the order in which they are found. There is one exception to that in `trace`: a hit just before the box of
-//! its leaf counts only if nothing is found before the box, for else the box is not entered. So here a hit counts from where the box begins that it was found by.
+//! and which of several hits is the first not on the order in which they are found.
 //!
 //! What few hits need is done ray by ray: tori, leaves that may be met more than once, the trims.
 
@@ -12,8 +11,8 @@ use super::cover::{Cover, Place, cover, is_far_outside};
 use super::footprint::{Footprint, sides};
 use super::frames::{FaceFrame, grid_position};
 use super::leaf::{LeafRay, leaf_domain, leaf_pole};
-use super::newton::unique_root;
 use super::net::unique_start;
+use super::newton::unique_root;
 use super::packet_bvh::{PacketMet, PacketWalk};
 use super::planes::{is_along, major_axis, planes_along};
 use super::ray_space::{
@@ -23,8 +22,8 @@ use super::ray_space::{
 use super::slab::intersect_slab;
 use super::torus::torus_roots;
 use super::trace::{
-    Certainty, RawHit, comes_before, face_footprint, face_parameters, is_between, is_in_leaf, is_shallow,
-    leaf_hits, window_margins, window_parameters,
+    Candidate, Certainty, RawHit, face_footprint, face_parameters, is_between, is_in_leaf, is_shallow,
+    keep_first, leaf_hits, nearer, window_margins, window_parameters,
 };
 use super::vector::Vector3;
 use super::{Kernel, NO_NET};
@@ -67,12 +66,16 @@ pub fn first_hits(
         scene,
         search: search.into(),
         step: GridStep::of(scene.header),
+        narrow_step: GridStep::of(scene.header),
         near: distances(all.map(|segment| segment.near)),
-        far: Far { anchor: all.map(|segment| segment.far.anchor), offset: all.map(|segment| segment.far.offset) },
+        far: Far {
+            anchor: all.map(|segment| segment.far.anchor),
+            offset: all.map(|segment| segment.far.offset),
+        },
         first: [None; LANES],
     };
     trace.trace_instances(&WorldRay::of_lanes(&all.map(|segment| segment.ray)), Mask8::of_bits(asked));
-    trace.first
+    trace.first.map(|first| first.map(|first| first.hit))
 }
 
 fn distances(lanes: [Distance<f32>; LANES]) -> Distance<Eight> {
@@ -106,28 +109,31 @@ struct PacketTrace<'t> {
     scene: &'t Scene<'t>,
     search: NetSearch,
     step: GridStep<Eight>,
+    narrow_step: GridStep<f32>,
     near: Distance<Eight>,
     /// Where hits end to matter; once there is one, where it counts.
     far: Far,
-    first: [Option<RawHit<f32>>; LANES],
+    first: [Option<Candidate<f32>>; LANES],
 }
 
 impl PacketTrace<'_> {
     fn trace_instances(&mut self, ray: &WorldRay<Eight>, asked: Mask8) {
         let scene = self.scene;
         if scene.instances.len() == 1 {
-            return self.trace_instance(ray, 0, asked);
+            return self.trace_instance(ray, 0, asked, self.near);
         }
         let origin = grid_position::<Eight>(ray.grid, self.step.size) + ray.fraction;
-        let mut walk = PacketWalk::new([0, scene.header.node_count, 0], origin, ray.direction, asked);
+        let tree = [0, scene.header.node_count, 0];
+        let mut walk = PacketWalk::new(tree, origin, ray.direction, asked, -Eight::INFINITY);
         while let Some(met) =
             walk.next(scene, self.near.beyond(Eight::ZERO), self.far.all().beyond(Eight::ZERO))
         {
-            self.trace_instance(ray, met.word, met.rays);
+            let begin = Distance { anchor: Eight::ZERO, offset: met.span[0] };
+            self.trace_instance(ray, met.word, met.rays, begin);
         }
     }
 
-    fn trace_instance(&mut self, ray: &WorldRay<Eight>, instance: u32, asked: Mask8) {
+    fn trace_instance(&mut self, ray: &WorldRay<Eight>, instance: u32, asked: Mask8, begin: Distance<Eight>) {
         let scene = self.scene;
         let frame = f32::instance(scene, instance).in_numbers();
         let (may_meet, ray) = enter_instance(ray, &frame, self.step);
@@ -137,7 +143,8 @@ impl PacketTrace<'_> {
         }
         let part = &scene.parts[scene.instances[instance as usize].part as usize];
         let tree = [part.first_node, part.node_count, part.first_primitive];
-        let mut walk = PacketWalk::new(tree, ray.near_origin, ray.direction, asked);
+        let begin = begin.beyond(ray.near_anchor);
+        let mut walk = PacketWalk::new(tree, ray.near_origin, ray.direction, asked, begin);
         let near = self.near.beyond(ray.near_anchor);
         while let Some(met) = walk.next(scene, near, self.far.all().beyond(ray.near_anchor)) {
             match unpack(met.word) {
@@ -204,12 +211,12 @@ impl PacketTrace<'_> {
         let place = Place { at: uv, margin: window_margins(&at.face), extent: footprint.extent() };
         hit = hit & !place.is_outside();
         let record = &scene.faces[at.index as usize];
-        let sides = |lane: usize| {
-            sides(part_ray.direction.lane(lane)).map(|side| apply_rows(&at.narrow.axes, side))
-        };
+        let sides =
+            |lane: usize| sides(part_ray.direction.lane(lane)).map(|side| apply_rows(&at.narrow.axes, side));
         let margin = window_margins(&at.narrow);
-        let found = Found { distance, uv, footprint, ids: [at.instance, at.index, NO_NET] };
-        self.meet_all(part_ray, hit, record, at.narrow.period, (&place, margin), &footprint, sides, &found, met);
+        let begin = Distance { anchor: part_ray.near_anchor, offset: met.span[0] };
+        let found = Found { distance, begin, uv, footprint, ids: [at.instance, at.index, NO_NET] };
+        self.meet_all(hit, record, at.narrow.period, (&place, margin), &footprint, sides, &found);
     }
 
     fn trace_leaf(&mut self, part_ray: &PartRay<Eight>, instance: u32, index: u32, met: &PacketMet) {
@@ -229,10 +236,11 @@ impl PacketTrace<'_> {
         let first = lanes(asked).next().unwrap_or(0);
         let major = major_axis(ray.direction.lane(first));
         let unique = asked & slab.unique & is_along(ray.direction, major);
+        let box_begin = Distance { anchor: part_ray.near_anchor, offset: met.span[0] };
         for lane in lanes(asked & !unique) {
-            let ends = [self.near_of(lane), self.far.lane(lane)];
-            for hit in leaf_hits(scene, self.search, &part_ray.lane(lane), [instance, index], ends) {
-                self.meet(part_ray, lane, hit, met);
+            let ends = [lane_of(self.near, lane), self.far.lane(lane), lane_of(box_begin, lane)];
+            for candidate in leaf_hits(scene, self.search, &part_ray.lane(lane), [instance, index], ends) {
+                self.keep(lane, candidate);
             }
         }
         if !unique.any() {
@@ -256,11 +264,12 @@ impl PacketTrace<'_> {
             return;
         }
         let ids = [instance, net.face, leaf.net];
-        let found = Found { distance, uv: root.uv, footprint: root.footprint, ids };
+        let begin = box_begin.later(Distance { anchor: ray.anchor, offset: slab.enter });
+        let found = Found { distance, begin, uv: root.uv, footprint: root.footprint, ids };
         if leaf.trim == TRIM_INSIDE {
             let is_own = hit & is_in_leaf(&domain, &root);
             for lane in lanes(is_own) {
-                self.meet(part_ray, lane, found.hit(lane, Cover::Inside), met);
+                self.keep(lane, found.candidate(lane, Cover::Inside));
             }
             hit = hit & !is_own;
             if !hit.any() {
@@ -272,14 +281,13 @@ impl PacketTrace<'_> {
         let place = Place { at, margin: [Eight::ZERO; 2], extent: footprint.extent() };
         hit = hit & !place.is_outside();
         let sides = |lane: usize| sides(ray.direction.lane(lane));
-        self.meet_all(part_ray, hit, face, face.period, (&place, [0.0; 2]), &footprint, sides, &found, met);
+        self.meet_all(hit, face, face.period, (&place, [0.0; 2]), &footprint, sides, &found);
     }
 
     /// Hands on those of the places that are on the face.
     #[inline(always)]
     fn meet_all(
         &mut self,
-        part_ray: &PartRay<Eight>,
         hit: Mask8,
         face: &Face,
         period: [f32; 2],
@@ -287,7 +295,6 @@ impl PacketTrace<'_> {
         footprint: &Footprint<Eight>,
         sides: impl Fn(usize) -> [Vector3<f32>; 2],
         found: &Found,
-        met: &PacketMet,
     ) {
         let (at, extent) = (place.at.map(Eight::to_array), place.extent.map(Eight::to_array));
         for lane in lanes(hit) {
@@ -295,33 +302,23 @@ impl PacketTrace<'_> {
             let footprint = || (footprint.lane(lane), sides(lane));
             let cover = cover(self.scene, face, period, &place, footprint, &mut ());
             if cover != Cover::Outside {
-                self.meet(part_ray, lane, found.hit(lane, cover), met);
+                self.keep(lane, found.candidate(lane, cover));
             }
         }
     }
 
-    fn near_of(&self, lane: usize) -> Distance<f32> {
-        Distance { anchor: self.near.anchor.to_array()[lane], offset: self.near.offset.to_array()[lane] }
-    }
-
     /// Keeps the hit if it is before the one that is kept.
     #[inline]
-    fn meet(&mut self, part_ray: &PartRay<Eight>, lane: usize, hit: RawHit<f32>, met: &PacketMet) {
-        let begin = Distance {
-            anchor: part_ray.near_anchor.to_array()[lane],
-            offset: met.span[0].to_array()[lane],
-        };
-        let counts = if begin.minus(hit.distance) > 0.0 { begin } else { hit.distance };
-        let ahead = counts.minus(self.far.lane(lane));
-        let is_first = match &self.first[lane] {
-            None => ahead <= 0.0,
-            Some(first) => ahead < 0.0 || ahead == 0.0 && comes_before(&hit, first),
-        };
-        if is_first {
-            self.first[lane] = Some(hit);
-            (self.far.anchor[lane], self.far.offset[lane]) = (counts.anchor, counts.offset);
-        }
+    fn keep(&mut self, lane: usize, candidate: Candidate<f32>) {
+        let found = keep_first(&mut self.first[lane], candidate);
+        let far = nearer(self.far.lane(lane), found, self.narrow_step);
+        (self.far.anchor[lane], self.far.offset[lane]) = (far.anchor, far.offset);
     }
+}
+
+#[inline(always)]
+fn lane_of(distance: Distance<Eight>, lane: usize) -> Distance<f32> {
+    Distance { anchor: distance.anchor.to_array()[lane], offset: distance.offset.to_array()[lane] }
 }
 
 /// Rays at a face.
@@ -341,6 +338,8 @@ struct FaceRays {
 /// What hits have in common, and what each has.
 struct Found {
     distance: Distance<Eight>,
+    /// Where what they were found in begins.
+    begin: Distance<Eight>,
     uv: [Eight; 2],
     footprint: Footprint<Eight>,
     ids: Place3,
@@ -348,18 +347,19 @@ struct Found {
 
 impl Found {
     #[inline(always)]
-    fn hit(&self, lane: usize, cover: Cover) -> RawHit<f32> {
+    fn candidate(&self, lane: usize, cover: Cover) -> Candidate<f32> {
         let number = |eight: Eight| eight.to_array()[lane];
         let [instance, face, net] = self.ids;
-        RawHit {
-            distance: Distance { anchor: number(self.distance.anchor), offset: number(self.distance.offset) },
+        let hit = RawHit {
+            distance: lane_of(self.distance, lane),
             instance,
             face,
             net,
             uv: self.uv.map(number),
             certainty: Certainty::of(cover, self.footprint.is_grazing.bits() >> lane & 1 == 1),
             is_shallow: is_shallow(number(self.footprint.cosine)),
-        }
+        };
+        Candidate::new(hit, lane_of(self.begin, lane))
     }
 }
 

@@ -47,15 +47,15 @@ pub struct PacketMet {
 }
 
 impl PacketWalk {
-    /// Over a tree of `node_count` nodes, by those of eight rays that are `asked`.
+    /// Over a tree of `node_count` nodes, by those of eight rays that are `asked`, which meet it from `begin` on.
     pub fn new(
         [first_node, node_count, first_primitive]: [u32; 3],
         origin: Vector3<Eight>,
         direction: Vector3<Eight>,
         asked: Mask8,
+        begin: Eight,
     ) -> Self {
-        let root =
-            Child { enter: -Eight::INFINITY, leave: Eight::INFINITY, rays: asked, index: 0, count: 0 };
+        let root = Child { enter: begin, leave: Eight::INFINITY, rays: asked, index: 0, count: 0 };
         let mut waiting = ArrayVec::new();
         if node_count > 0 {
             waiting.push(root);
@@ -82,7 +82,9 @@ impl PacketWalk {
                 continue;
             }
             let node = &scene.bvh_nodes[(self.first_node + child.index) as usize];
-            intersect_node(node, &self.rays, near, far, child.rays, &mut self.waiting);
+            // As in `bvh`: no child begins before its parent.
+            let span = [Number::max(near, child.enter), Number::min(far, child.leave)];
+            intersect_node(node, &self.rays, span, child.rays, &mut self.waiting);
         }
     }
 }
@@ -92,15 +94,15 @@ impl PacketWalk {
 fn intersect_node(
     node: &BvhNode,
     rays: &[AxisRay<Eight>; 3],
-    near: Eight,
-    far: Eight,
+    [near, far]: [Eight; 2],
     asked: Mask8,
     waiting: &mut ArrayVec<Child, STACK_SIZE>,
 ) {
     let planes = |bytes: &[u8; 8]| <Eight as Octet<f32>>::of_bytes(bytes).to_array();
     let low = [&node.child_min_x, &node.child_min_y, &node.child_min_z].map(planes);
     let high = [&node.child_max_x, &node.child_max_y, &node.child_max_z].map(planes);
-    let terms: [[Eight; 3]; 3] = std::array::from_fn(|axis| axis_terms(node.p[axis], node.e[axis], &rays[axis]));
+    let terms: [[Eight; 3]; 3] =
+        std::array::from_fn(|axis| axis_terms(node.p[axis], node.e[axis], &rays[axis]));
     let mut met: ArrayVec<(f32, Child), 8> = ArrayVec::new();
     let mut rank = 0;
     for slot in 0..8 {

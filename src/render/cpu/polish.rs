@@ -146,8 +146,8 @@ mod tests {
     fn met<T: Kernel>(scene: &Scene<'_>, ray: &Ray) -> Vec<(WorldRay<T>, RawHit<T>)> {
         let prepared = prepare::<T>(ray, scene.header).expect("a ray at the scene");
         let mut met = Vec::new();
-        trace(scene, Exactness::Exact, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
-            met.push((prepared.ray, hit));
+        trace(scene, Exactness::Exact, &prepared.ray, prepared.near, Distance::INFINITE, &mut |candidate| {
+            met.push((prepared.ray, candidate.hit));
             Some(Distance::INFINITE)
         });
         met

@@ -137,8 +137,8 @@ pub fn met_hits<T: Kernel>(
     prepared: &PreparedRay<T>,
 ) -> Vec<RawHit<T>> {
     let mut hits: Vec<RawHit<T>> = Vec::new();
-    trace(scene, search, &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
-        hits.push(T::polished(scene, &prepared.ray, hit));
+    trace(scene, search, &prepared.ray, prepared.near, Distance::INFINITE, &mut |candidate| {
+        hits.push(T::polished(scene, &prepared.ray, candidate.hit));
         (hits.len() < MAX_HITS).then_some(Distance::INFINITE)
     });
     if hits.len() == MAX_HITS {

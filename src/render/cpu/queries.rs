@@ -6,7 +6,7 @@
 
 use super::NO_NET;
 use super::ray_space::{Distance, prepare};
-use super::trace::{RawHit, face_parameters, keep_first, trace};
+use super::trace::{Candidate, RawHit, face_parameters, keep_first, trace};
 use super::trim::{packed_inside, study_method, trim_counted, trim_inside};
 use super::trim_study::{TrimCounts, study_inside};
 use crate::render::{Exactness, Ray};
@@ -146,16 +146,16 @@ fn ask(
 ) {
     let Some(prepared) = prepare::<f32>(ray, scene.header) else { return };
     let open = untrimmed.scene(scene);
-    let mut first: Option<RawHit<f32>> = None;
-    trace(&open, Exactness::default(), &prepared.ray, prepared.near, Distance::INFINITE, &mut |hit| {
-        let is_inside = match query(scene, &hit) {
+    let mut first: Option<Candidate<f32>> = None;
+    trace(&open, Exactness::default(), &prepared.ray, prepared.near, Distance::INFINITE, &mut |candidate| {
+        let is_inside = match query(scene, &candidate.hit) {
             Some(query) => inside(query),
             None => true,
         };
         if is_inside && first_only {
-            keep_first(&mut first, hit);
+            keep_first(&mut first, candidate);
         }
-        Some(first.map_or(Distance::INFINITE, |first| first.distance))
+        Some(first.map_or(Distance::INFINITE, |first| first.from))
     });
 }
 

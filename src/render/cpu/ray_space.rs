@@ -45,6 +45,13 @@ impl<T: Number> Distance<T> {
     pub fn minus(self, other: Self) -> T {
         (self.anchor - other.anchor) + (self.offset - other.offset)
     }
+    /// The greater; `self` where they are equal.
+    #[inline(always)]
+    pub fn later(self, other: Self) -> Self {
+        let is_less = T::ZERO.is_less(other.minus(self));
+        let choose = |yes, no| T::choose(is_less, yes, no);
+        Self { anchor: choose(other.anchor, self.anchor), offset: choose(other.offset, self.offset) }
+    }
     /// `self − anchor`.
     #[inline(always)]
     pub fn beyond(self, anchor: T) -> T {
@@ -265,7 +272,11 @@ pub fn enter_instance<T: Number>(
 
 /// The ray in the space of a carrier's frame, whose axes it still has to be turned to.
 #[inline]
-pub fn approach_frame<T: Number>(ray: &PartRay<T>, face: &FaceFrame<T>, step: GridStep<T>) -> PrimitiveRay<T> {
+pub fn approach_frame<T: Number>(
+    ray: &PartRay<T>,
+    face: &FaceFrame<T>,
+    step: GridStep<T>,
+) -> PrimitiveRay<T> {
     approach(ray, face.grid, face.offset, Vector3::default(), step)
 }
 

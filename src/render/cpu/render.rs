@@ -3,12 +3,15 @@
 use super::adaptive::{Centers, paint, with_margin};
 use super::beam::{Beam, may_meet};
 use super::camera::{pixel_key, pixel_ray, sample_offset};
+use super::packet::LANES;
 use super::pixels::{Center, Refined, Sampled};
-use super::shade::{Shading, beside, empty_center, shade_center, shade_sample};
+use super::shade::Shading;
+use super::shade_rays::{beside, empty_center, shade_centers, shade_samples};
 use crate::image::{Film, Window};
 use crate::render::first_hits::FirstHits;
-use crate::render::{Camera, RenderOptions};
+use crate::render::{Camera, Ray, RenderOptions};
 use crate::scene::Scene;
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use std::convert::Infallible;
 use std::ops::Range;
@@ -19,6 +22,10 @@ const MOST_REFINED: usize = 1 << 16;
 
 /// Pixels across that are looked at together, in all rows of a band: fewer rays would not be worth the beam, more would meet something more often.
 const COLUMNS_PER_BLOCK: usize = 16;
+
+/// Pixels whose rays are traced together.
+const COLUMNS_PER_PACKET: usize = 4;
+const ROWS_PER_PACKET: usize = LANES / COLUMNS_PER_PACKET;
 
 /// Renders a picture, or the part of it that the options ask for; `progress` is told (done, total) units of work.
 ///
@@ -57,6 +64,7 @@ fn find_rows(scene: &Scene<'_>, camera: &Camera, options: &RenderOptions, rows: 
     let shading = Shading::new(scene, camera, options);
     let window = with_margin(options);
     let [top, bottom] = [rows.start, rows.end].map(|pixel| pixel / window.width);
+    let first = rows.start;
     let mut found = vec![empty_center(); rows.len()];
     for left in (0..window.width).step_by(COLUMNS_PER_BLOCK) {
         let right = (left + COLUMNS_PER_BLOCK).min(window.width);
@@ -64,17 +72,38 @@ fn find_rows(scene: &Scene<'_>, camera: &Camera, options: &RenderOptions, rows: 
         if !may_meet(scene, &Beam::through(scene, camera, options.resolution, low, high)) {
             continue;
         }
-        for pixel in (top..bottom).flat_map(|y| (left..right).map(move |x| x + y * window.width)) {
-            found[pixel - rows.start] = find_center(&shading, camera, place(window, pixel as u32));
+        let columns: Vec<usize> = (left..right).step_by(COLUMNS_PER_PACKET).collect();
+        let corners =
+            (top..bottom).step_by(ROWS_PER_PACKET).flat_map(|y| columns.iter().map(move |&x| (x, y)));
+        for (x, y) in corners {
+            let rows = y..(y + ROWS_PER_PACKET).min(bottom);
+            let pixels: ArrayVec<usize, LANES> = rows
+                .flat_map(|y| (x..(x + COLUMNS_PER_PACKET).min(right)).map(move |x| x + y * window.width))
+                .collect();
+            let centers =
+                find_packet(&shading, camera, pixels.iter().map(|&pixel| place(window, pixel as u32)));
+            for (&pixel, center) in pixels.iter().zip(centers) {
+                found[pixel - first] = center;
+            }
         }
     }
     found
 }
 
-/// What the centre of the pixel at `(x, y)` of the whole picture shows.
-fn find_center(shading: &Shading<'_, '_>, camera: &Camera, [x, y]: [u32; 2]) -> Center {
-    let ray = pixel_ray(camera, shading.options.resolution, f64::from(x) + 0.5, f64::from(y) + 0.5);
-    shade_center(shading, camera, &ray, pixel_key(x, y))
+/// What the centres of up to eight pixels of the whole picture show.
+fn find_packet(
+    shading: &Shading<'_, '_>,
+    camera: &Camera,
+    pixels: impl Iterator<Item = [u32; 2]>,
+) -> [Center; LANES] {
+    let resolution = shading.options.resolution;
+    let rays: ArrayVec<(Ray, u32), LANES> = pixels
+        .map(|[x, y]| {
+            let ray = pixel_ray(camera, resolution, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            (ray, pixel_key(x, y))
+        })
+        .collect();
+    shade_centers(shading, camera, &rays)
 }
 
 /// What the centres of some pixels show, of the part that is rendered: those that a GPU gives up.
@@ -87,7 +116,11 @@ pub fn find_centers(
 ) -> Vec<Center> {
     let shading = Shading::new(scene, camera, options);
     let window = with_margin(options);
-    pixels.iter().map(|&pixel| find_center(&shading, camera, place(window, pixel))).collect()
+    let find = |pixels: &[u32]| {
+        let places = pixels.iter().map(|&pixel| place(window, pixel));
+        find_packet(&shading, camera, places).into_iter().take(pixels.len()).collect::<ArrayVec<_, LANES>>()
+    };
+    pixels.chunks(LANES).flat_map(find).collect()
 }
 
 /// All samples of some pixels.
@@ -110,17 +143,26 @@ fn sample_pixel(shading: &Shading<'_, '_>, camera: &Camera, [x, y]: [u32; 2], re
     let samples = options.samples.max(1);
     let (mut color, mut flags) = ([0.0_f32; 4], 0);
     let mut first_hits = FirstHits::default();
-    for sample in 0..samples {
-        let place = sample_offset(pixel, sample, samples);
-        let (px, py) = (f64::from(x) + f64::from(place[0]), f64::from(y) + f64::from(place[1]));
-        let ray = pixel_ray(camera, options.resolution, px, py);
-        let shaded = shade_sample(shading, &ray, pixel, sample, &refined.around);
-        for k in 0..4 {
-            color[k] += shaded.color[k];
-        }
-        flags |= beside(&shaded, place, refined);
-        if let (true, Some((instance, face))) = (options.layers.has_first_hits(), shaded.first) {
-            first_hits.add(shading.scene, instance, face);
+    let numbers: Vec<u32> = (0..samples).collect();
+    for numbers in numbers.chunks(LANES) {
+        let offset = |&sample: &u32| sample_offset(pixel, sample, samples);
+        let places: ArrayVec<[f32; 2], LANES> = numbers.iter().map(offset).collect();
+        let rays: ArrayVec<(Ray, u32), LANES> = places
+            .iter()
+            .zip(numbers)
+            .map(|(place, &sample)| {
+                let (px, py) = (f64::from(x) + f64::from(place[0]), f64::from(y) + f64::from(place[1]));
+                (pixel_ray(camera, options.resolution, px, py), sample)
+            })
+            .collect();
+        for (shaded, place) in shade_samples(shading, &rays, pixel, &refined.around).into_iter().zip(places) {
+            for k in 0..4 {
+                color[k] += shaded.color[k];
+            }
+            flags |= beside(&shaded, place, refined);
+            if let (true, Some((instance, face))) = (options.layers.has_first_hits(), shaded.first) {
+                first_hits.add(shading.scene, instance, face);
+            }
         }
     }
     Sampled {

@@ -8,9 +8,10 @@
 
 use super::frames::grid_position;
 use super::hit::hit_normal;
+use super::packet::{LANES, Segment, first_hits};
 use super::ray_space::{Distance, GridStep, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
-use super::trace::{RawHit, first_hit_before, keep_first, trace};
+use super::trace::{Candidate, RawHit, first_hit_before, keep_first, trace};
 use super::vector::Vector3;
 use crate::render::section::{MAX_PLANES, Section, SectionPlane};
 use crate::render::{Camera, Exactness};
@@ -202,14 +203,14 @@ pub fn first_hit_of(
     far: Distance<f32>,
     wanted: impl Fn(&RawHit<f32>) -> bool,
 ) -> Option<RawHit<f32>> {
-    let mut first: Option<RawHit<f32>> = None;
-    trace(scene, exactness, ray, near, far, &mut |hit: RawHit<f32>| {
-        if wanted(&hit) {
-            keep_first(&mut first, hit);
+    let mut first: Option<Candidate<f32>> = None;
+    trace(scene, exactness, ray, near, far, &mut |candidate: Candidate<f32>| {
+        if wanted(&candidate.hit) {
+            keep_first(&mut first, candidate);
         }
-        Some(first.map_or(far, |best| best.distance))
+        Some(first.map_or(far, |best| best.from))
     });
-    first
+    first.map(|first| first.hit)
 }
 
 /// The hit by which a ray leaves the body that it is in at `enter`, moved there; `None` where it is in none.
@@ -271,6 +272,23 @@ pub fn first_seen(
         }
     }
     found.map(seen)
+}
+
+/// [`first_seen`] of eight rays: together where nothing is cut.
+pub fn first_seen_of_each(
+    scene: &Scene<'_>,
+    exactness: Exactness,
+    segments: &[Option<Segment>; LANES],
+    cuts: &mut [Option<Cut>; LANES],
+) -> [Option<Seen>; LANES] {
+    if cuts.iter().all(Option::is_none) {
+        let seen = |hit| Seen { hit, cap: NO_PLANE };
+        return first_hits(scene, exactness, segments).map(|hit| hit.map(seen));
+    }
+    std::array::from_fn(|lane| {
+        let Segment { ray, near, far } = segments[lane].as_ref()?;
+        first_seen(scene, exactness, ray, *near, *far, &mut cuts[lane])
+    })
 }
 
 /// How many hatch lines a point of world space is from the first: whole numbers where lines begin. Turned from instance to instance.

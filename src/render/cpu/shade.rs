@@ -1,32 +1,17 @@
 //! The look of a hit: a hemisphere of soft light, a key and a fill light that move with the camera, ambient occlusion.
 
-use super::camera::{hash, pixel_key, unit};
 use super::hit::hit_normal;
 use super::light::{
     AMBIENT_DOWN, AMBIENT_UP, AMBIENT_WEIGHT, FILL_COLOR, FILL_FROM, GLOSS, KEY_COLOR, KEY_FROM,
-    LEAST_ROUGHNESS, METAL_BOX, METAL_DOWN, METAL_LIGHT, METAL_UP, OCCLUSION_RADIUS, RIM_COLOR,
-    SPECULAR_REFLECTANCE, SURFACE_OFFSET,
+    LEAST_ROUGHNESS, METAL_BOX, METAL_DOWN, METAL_LIGHT, METAL_UP, RIM_COLOR, SPECULAR_REFLECTANCE,
+    SURFACE_OFFSET,
 };
-use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
-use super::ray_space::{Distance, GridStep, WorldRay, prepare, scene_radius, whole_steps};
-use super::section::{Cut, NO_PLANE, Seen, WorldSection, first_seen, hatch, section_plane};
+use super::ray_space::{Distance, GridStep, WorldRay, scene_radius, whole_steps};
+use super::section::{Cut, NO_PLANE, Seen, WorldSection, hatch, section_plane};
 use super::trace::RawHit;
 use super::vector::{Vector3, vec3};
-use crate::render::{Camera, Ray, RenderOptions};
+use crate::render::{Camera, RenderOptions};
 use crate::scene::{Material, NO_MATERIAL, Scene};
-use bytemuck::Zeroable;
-
-/// See-through faces that are blended along a ray; the last of so many counts as opaque.
-const MAX_LAYERS: usize = 8;
-
-/// Cosine of the angle between normals under one sky.
-pub const SAME_WAY: f32 = 0.9;
-
-/// How close to a neighbour samples tell of it, in pixels.
-pub const CLOSE: f32 = 0.25;
-
-/// The contrast from which a sample shows something else.
-pub const OTHER: f32 = 8.0 / 255.0;
 
 /// Directions of light in model space, fixed to the camera.
 #[derive(Debug, Clone, Copy)]
@@ -79,146 +64,6 @@ impl Lights {
     }
 }
 
-/// What is seen where nothing is.
-pub fn empty_center() -> Center {
-    Center { open: 1.0, ..Center::zeroed() }
-}
-
-/// What the ray through a pixel's centre shows, and what it sees of the sky by one ray.
-pub fn shade_center(shading: &Shading<'_, '_>, camera: &Camera, ray: &Ray, pixel: u32) -> Center {
-    let scene = shading.scene;
-    let mut center = empty_center();
-    let Some(prepared) = prepare::<f32>(ray, scene.header) else { return center };
-    let exactness = shading.options.exactness;
-    let mut cut = shading.cut(&prepared.ray, prepared.near);
-    let seen = first_seen(scene, exactness, &prepared.ray, prepared.near, Distance::INFINITE, &mut cut);
-    let Some(seen) = seen else {
-        return center;
-    };
-    let hit = seen.hit;
-    let n = visible_normal(shading, &prepared.ray, &seen);
-    let material = hit_material(scene, hit.instance, hit.face);
-    let light = seen_light(shading, &prepared.ray, &seen, n, &material);
-    if shading.options.ambient_occlusion {
-        center.open = openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, 0, 1));
-    }
-    center.normal = n.to_array();
-    center.depth = ((prepared.start + hit.distance.to_f64()) * ray.direction.dot(camera.forward)) as f32;
-    center.dark = light(0.0);
-    center.lit = light(1.0);
-    center.flags = if material.opacity < 1.0 { SEE_THROUGH } else { 0 };
-    if seen.cap != NO_PLANE {
-        center.flags |= CAP;
-    }
-    center.instance = hit.instance + 1;
-    center.face = hit.face + 1;
-    center.net = hit.net;
-    center.uv = hit.uv;
-    center
-}
-
-/// What a ray through a pixel shows.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Shaded {
-    /// Linear light, premultiplied, with coverage.
-    pub color: [f32; 4],
-    /// Of the first thing that is hit, as in [`Center`]; none where nothing is.
-    pub lit: Option<[f32; 3]>,
-    /// Its instance and face, indices.
-    pub first: Option<(u32, u32)>,
-}
-
-/// The light along a model-space ray through a place of a pixel, front to back through see-through faces.
-pub fn shade_sample(
-    shading: &Shading<'_, '_>,
-    ray: &Ray,
-    pixel: u32,
-    sample: u32,
-    around: &[Neighbour; 5],
-) -> Shaded {
-    let scene = shading.scene;
-    let mut shaded = Shaded::default();
-    let Some(prepared) = prepare::<f32>(ray, scene.header) else { return shaded };
-    let mut near = prepared.near;
-    let mut cut = shading.cut(&prepared.ray, prepared.near);
-    for layer in 1..=MAX_LAYERS {
-        let exactness = shading.options.exactness;
-        let seen = first_seen(scene, exactness, &prepared.ray, near, Distance::INFINITE, &mut cut);
-        let Some(seen) = seen else { break };
-        let hit = seen.hit;
-        let material = hit_material(scene, hit.instance, hit.face);
-        let n = visible_normal(shading, &prepared.ray, &seen);
-        let light = seen_light(shading, &prepared.ray, &seen, n, &material);
-        let mut open = 1.0;
-        if layer == 1 {
-            shaded.lit = Some(light(1.0));
-            shaded.first = Some((hit.instance, hit.face));
-        }
-        if shading.options.ambient_occlusion {
-            let known = if layer == 1 { known_openness(around, &seen, n) } else { -1.0 };
-            open = if known >= 0.0 {
-                known
-            } else {
-                openness(shading, &prepared.ray, &hit, n, sky_sample(pixel, sample, shading.options.samples))
-            };
-        }
-        let lit = light(open);
-        // What lies behind the last layer is not looked for: the layer stands for it.
-        let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
-        let color = &mut shaded.color;
-        let left = (1.0 - color[3]) * opacity;
-        for k in 0..3 {
-            color[k] += lit[k] * left;
-        }
-        color[3] += left;
-        if color[3] > 0.995 {
-            let full = 1.0 / color[3];
-            *color = [color[0] * full, color[1] * full, color[2] * full, 1.0];
-            break;
-        }
-        let skip = surface_offset(scene);
-        near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
-    }
-    shaded
-}
-
-/// What the pixels around know of the sky over a hit: that of the first that shows the same face turned the same way, else negative.
-fn known_openness(around: &[Neighbour; 5], seen: &Seen, n: Vector3<f32>) -> f32 {
-    let face = if seen.cap == NO_PLANE { seen.hit.face + 1 } else { 0 };
-    for neighbour in around {
-        let is_same = neighbour.face == face && neighbour.instance == seen.hit.instance + 1;
-        let [x, y, z] = neighbour.normal;
-        if is_same && n.dot(Vector3 { x, y, z }) > SAME_WAY {
-            return neighbour.open;
-        }
-    }
-    -1.0
-}
-
-/// Bits from [`BESIDE_LEFT`] on: the neighbours whose centres do not show what a sample shows at `place`, in 0..1, close to them; all of them where
-/// none shows it that is not alone with it.
-pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
-    let is_close = [place[0] < CLOSE, place[0] > 1.0 - CLOSE, place[1] < CLOSE, place[1] > 1.0 - CLOSE];
-    let (mut flags, mut shown) = (0, 0);
-    for side in 0..4 {
-        let neighbour = &refined.around[side + 1];
-        let differs = match shaded.lit {
-            Some(lit) => is_other([lit, neighbour.lit], [1, neighbour.instance]),
-            None => neighbour.instance != 0,
-        };
-        shown += u32::from(!differs && neighbour.is_alone == 0);
-        if differs && is_close[side] {
-            flags |= BESIDE_LEFT << side;
-        }
-    }
-    if shown == 0 { BESIDE_ALL } else { flags }
-}
-
-/// Whether two places show different things: their lights under the whole sky, and 0 for an instance where there is none.
-pub fn is_other(lit: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
-    (instance[0] == 0) != (instance[1] == 0) || instance[0] != 0 && contrast(lit[0], lit[1]) > OTHER
-}
-
 /// The normal of what is seen, towards the eye.
 pub(super) fn visible_normal(shading: &Shading<'_, '_>, ray: &WorldRay<f32>, seen: &Seen) -> Vector3<f32> {
     let outward = match &shading.section {
@@ -241,7 +86,7 @@ pub(super) fn surface_offset(scene: &Scene<'_>) -> f32 {
 }
 
 /// The light that what is seen sends back along the ray, by the share of the sky that it sees.
-fn seen_light<'a>(
+pub(super) fn seen_light<'a>(
     shading: &'a Shading<'_, '_>,
     ray: &WorldRay<f32>,
     seen: &Seen,
@@ -356,42 +201,6 @@ fn lobe(n: Vector3<f32>, view: Vector3<f32>, light: Vector3<f32>, gloss: f32) ->
     (n.dot(half) / length).max(0.0).powf(gloss)
 }
 
-/// The share of the sky seen from a hit, by one ray drawn from a cosine distribution by two numbers in 0..1; near blockers count more than far ones.
-fn openness(
-    shading: &Shading<'_, '_>,
-    ray: &WorldRay<f32>,
-    hit: &RawHit<f32>,
-    n: Vector3<f32>,
-    [a, b]: [f32; 2],
-) -> f32 {
-    let scene = shading.scene;
-    let direction = cosine_direction(n, a, b);
-    let probe = leave_surface(scene, ray, hit, n, direction, surface_offset(scene));
-    let radius = (scene_radius(scene.header) * OCCLUSION_RADIUS) as f32;
-    let near = Distance { anchor: 0.0, offset: 0.0 };
-    let far = Distance { anchor: 0.0, offset: radius };
-    let exactness = shading.options.exactness;
-    let mut cut = shading.cut(&probe, near);
-    let blocked = match first_seen(scene, exactness, &probe, near, far, &mut cut) {
-        Some(blocker) => 1.0 - (blocker.hit.distance.beyond(0.0) / radius).clamp(0.0, 1.0),
-        None => 0.0,
-    };
-    1.0 - blocked * blocked
-}
-
-/// A point of the unit square: the R2 sequence (Roberts 2018), which runs on from pixel to pixel of a tile of 4 × 4, in an order that sets neighbours far
-/// apart, so that they err in opposite ways and the eye, which takes the mean, sees less grain. Tiles are moved by a random offset: without it
-/// the sequence draws stripes. In whole numbers, so that CPU and GPU agree to the bit. A pixel takes `samples` of it, one after the other.
-fn sky_sample(pixel: u32, sample: u32, samples: u32) -> [f32; 2] {
-    let (x, y) = (pixel & 0xffff, pixel >> 16);
-    let tile = pixel_key(x >> 2, y >> 2);
-    let place = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;
-    let index = place.wrapping_mul(samples).wrapping_add(sample);
-    let a = hash(tile, 0, 2).wrapping_add(index.wrapping_mul(0xc13f_a9a9));
-    let b = hash(tile, 0, 3).wrapping_add(index.wrapping_mul(0x91e1_0da5));
-    [unit(a), unit(b)]
-}
-
 /// A ray from a hit, `offset` above the surface.
 pub(super) fn leave_surface(
     scene: &Scene<'_>,
@@ -419,7 +228,7 @@ pub(super) fn leave_surface(
 }
 
 /// A direction about `n` with density cos θ / π: a uniform point of the unit sphere added to the normal.
-fn cosine_direction(n: Vector3<f32>, a: f32, b: f32) -> Vector3<f32> {
+pub(super) fn cosine_direction(n: Vector3<f32>, a: f32, b: f32) -> Vector3<f32> {
     let z = 1.0 - 2.0 * a;
     let across = (1.0 - z * z).max(0.0).sqrt();
     let (sin, cos) = (b * std::f32::consts::TAU).sin_cos();

@@ -55,8 +55,7 @@ pub fn intersect_slab<T: Number>(
     let n = a.cross(b);
     let (aa, bb, nn) = (a.dot(a), b.dot(b), n.dot(n));
     let r = ray.origin - center;
-    let spans_plane =
-        (number::<T>(FLAT) * aa * bb).is_less(nn) & T::ZERO.is_less(aa) & T::ZERO.is_less(bb);
+    let spans_plane = (number::<T>(FLAT) * aa * bb).is_less(nn) & T::ZERO.is_less(aa) & T::ZERO.is_less(bb);
     if !spans_plane.any() {
         return flat_slab(leaf, aa.sqrt(), bb.sqrt(), extent_n, r, ray.direction, near, far);
     }

@@ -98,28 +98,64 @@ pub fn first_hit_before<T: Kernel>(
     near: Distance<T>,
     far: Distance<T>,
 ) -> Option<RawHit<T>> {
-    let mut first: Option<RawHit<T>> = None;
-    trace(scene, search, ray, near, far, &mut |hit: RawHit<T>| Some(keep_first(&mut first, hit)));
-    first
+    let mut first: Option<Candidate<T>> = None;
+    trace(scene, search, ray, near, far, &mut |candidate| Some(keep_first(&mut first, candidate)));
+    first.map(|first| first.hit)
 }
 
-/// Keeps the hit if it is before the one that is kept; the distance of that which stays.
-pub fn keep_first<T: Kernel>(first: &mut Option<RawHit<T>>, hit: RawHit<T>) -> Distance<T> {
+/// A hit that may be the first.
+///
+/// As wide as its footprint a face is found just outside of the boxes and slabs that hold it; one that begins behind a hit is not entered. That such a hit is the first
+/// must not depend on whether its own were entered before: it counts from where the last of them begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate<T> {
+    /// The hit.
+    pub hit: RawHit<T>,
+    /// Where on the world ray it counts from.
+    pub from: Distance<T>,
+}
+
+impl<T: Kernel> Candidate<T> {
+    /// A hit found in a box that begins there.
+    #[inline(always)]
+    pub fn new(hit: RawHit<T>, begin: Distance<T>) -> Self {
+        Self { hit, from: hit.distance.later(begin) }
+    }
+}
+
+/// Keeps the hit if it is before the one that is kept; from where on that counts which stays.
+#[inline]
+pub fn keep_first<T: Kernel>(first: &mut Option<Candidate<T>>, candidate: Candidate<T>) -> Distance<T> {
     let best = match *first {
-        Some(best) if !comes_before(&hit, &best) => best,
-        _ => hit,
+        Some(best) if !comes_before(&candidate, &best) => best,
+        _ => candidate,
     };
     *first = Some(best);
-    best.distance
+    best.from
 }
 
-/// The order of hits along a ray: by distance, then by face, net and instance.
-pub fn comes_before<T: Kernel>(a: &RawHit<T>, b: &RawHit<T>) -> bool {
-    let ahead = a.distance.minus(b.distance);
-    if ahead != T::ZERO {
-        return ahead < T::ZERO;
+/// A total order: by sums in f64, for differences of pairs are none, then by face, net and instance, and of one place found in two leaves by how it is found.
+fn comes_before<T: Kernel>(a: &Candidate<T>, b: &Candidate<T>) -> bool {
+    let ids = |hit: &RawHit<T>| [hit.face, hit.net, hit.instance];
+    let found = |hit: &RawHit<T>| [hit.uv[0], hit.uv[1], hit.distance.anchor].map(T::to_f64);
+    let ahead = [[a.from, b.from], [a.hit.distance, b.hit.distance]].map(|[a, b]| a.to_f64() - b.to_f64());
+    match ahead.into_iter().find(|&ahead| ahead != 0.0) {
+        Some(ahead) => ahead < 0.0,
+        None => (ids(&a.hit), found(&a.hit)) < (ids(&b.hit), found(&b.hit)),
     }
-    [a.face, a.net, a.instance] < [b.face, b.net, b.instance]
+}
+
+/// How far behind the first hit others are still looked for, in steps of the grid: a multiple of what differences of distances are rounded by, which are at most
+/// some 2¹⁷ steps. Which is the first then does not depend on those roundings, nor on which was found first.
+const BEHIND: f64 = 1.0 / 8.0;
+
+/// Where hits end to matter: at `found`, but for roundings, if that is before `far`.
+#[inline(always)]
+pub fn nearer<T: Number>(far: Distance<T>, found: Distance<T>, step: GridStep<T>) -> Distance<T> {
+    let found = Distance { offset: found.offset + step.size * number(BEHIND), ..found };
+    let is_nearer = found.minus(far).is_less(T::ZERO);
+    let choose = |yes, no| T::choose(is_nearer, yes, no);
+    Distance { anchor: choose(found.anchor, far.anchor), offset: choose(found.offset, far.offset) }
 }
 
 /// Visits hits between `near` and `far`, in no order. `accept` answers with the distance beyond which hits no longer matter, or `None` to
@@ -130,7 +166,7 @@ pub fn trace<T: Kernel>(
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    accept: &mut impl FnMut(Candidate<T>) -> Option<Distance<T>>,
 ) {
     trace_tallied(scene, search, ray, near, far, accept, &mut ());
 }
@@ -142,7 +178,7 @@ pub fn trace_tallied<T: Kernel>(
     ray: &WorldRay<T>,
     near: Distance<T>,
     far: Distance<T>,
-    accept: &mut impl FnMut(RawHit<T>) -> Option<Distance<T>>,
+    accept: &mut impl FnMut(Candidate<T>) -> Option<Distance<T>>,
     tally: &mut impl Tally,
 ) {
     let step = GridStep::of(scene.header);
@@ -150,22 +186,22 @@ pub fn trace_tallied<T: Kernel>(
     _ = trace.trace_instances(ray);
 }
 
-/// The hits of one ray in a leaf between `near` and `far`, in no order.
+/// The hits of one ray in a leaf between `near` and `far`, in no order; the leaf's box begins at `begin`.
 pub fn leaf_hits(
     scene: &Scene<'_>,
     search: NetSearch,
     ray: &PartRay<f32>,
     [instance, leaf]: [u32; 2],
-    [near, far]: [Distance<f32>; 2],
-) -> ArrayVec<RawHit<f32>, MAX_ROOTS> {
+    [near, far, begin]: [Distance<f32>; 3],
+) -> ArrayVec<Candidate<f32>, MAX_ROOTS> {
     let mut hits = ArrayVec::new();
-    let mut accept = |hit: RawHit<f32>| {
-        hits.push(hit);
+    let mut accept = |candidate: Candidate<f32>| {
+        hits.push(candidate);
         Some(far)
     };
     let step = GridStep::of(scene.header);
     let mut trace = Trace { scene, search, step, near, far, accept: &mut accept, tally: &mut () };
-    _ = trace.trace_leaf(ray, instance, leaf);
+    _ = trace.trace_leaf(ray, instance, leaf, begin);
     hits
 }
 
@@ -182,17 +218,17 @@ struct Trace<'t, T, A, C> {
     tally: &'t mut C,
 }
 
-impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, T, A, C> {
+impl<T: Kernel, A: FnMut(Candidate<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, T, A, C> {
     /// The hits of all instances.
     fn trace_instances(&mut self, ray: &WorldRay<T>) -> ControlFlow<()> {
         let scene = self.scene;
         if scene.instances.len() == 1 {
-            return self.trace_instance(ray, 0);
+            return self.trace_instance(ray, 0, self.near);
         }
         let boxes = bvh_ray(grid_position(ray.grid, self.step.size) + ray.fraction, ray.direction);
-        let mut instances = start_walk(0, scene.header.node_count, 0);
+        let mut instances = start_walk(0, scene.header.node_count, 0, -T::INFINITY);
         while let Some(met) = self.next_met(&mut instances, &boxes, T::ZERO) {
-            self.trace_instance(ray, met.word)?;
+            self.trace_instance(ray, met.word, Distance { anchor: T::ZERO, offset: met.span[0] })?;
         }
         ControlFlow::Continue(())
     }
@@ -203,25 +239,30 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
         next_primitive(walk, self.scene, boxes, from, to, self.tally)
     }
 
-    fn trace_instance(&mut self, ray: &WorldRay<T>, instance: u32) -> ControlFlow<()> {
+    /// The hits of an instance, whose box begins at `begin`.
+    fn trace_instance(&mut self, ray: &WorldRay<T>, instance: u32, begin: Distance<T>) -> ControlFlow<()> {
         let (may_meet, part_ray) = enter_instance(ray, &T::instance(self.scene, instance), self.step);
         if !may_meet {
             return ControlFlow::Continue(());
         }
         self.tally.count(Step::Instance);
-        self.trace_part(&part_ray, instance)
+        self.trace_part(&part_ray, instance, begin)
     }
 
     /// The hits of an instance's part.
-    fn trace_part(&mut self, ray: &PartRay<T>, instance: u32) -> ControlFlow<()> {
+    fn trace_part(&mut self, ray: &PartRay<T>, instance: u32, begin: Distance<T>) -> ControlFlow<()> {
         let scene = self.scene;
         let part = &scene.parts[scene.instances[instance as usize].part as usize];
         let boxes = bvh_ray(ray.near_origin, ray.direction);
-        let mut primitives = start_walk(part.first_node, part.node_count, part.first_primitive);
+        let mut primitives =
+            start_walk(part.first_node, part.node_count, part.first_primitive, begin.beyond(ray.near_anchor));
         while let Some(met) = self.next_met(&mut primitives, &boxes, ray.near_anchor) {
             match unpack(met.word) {
                 Primitive::Face(face) => self.trace_face(ray, instance, face, met.span)?,
-                Primitive::NetLeaf(leaf) => self.trace_leaf(ray, instance, leaf)?,
+                Primitive::NetLeaf(leaf) => {
+                    let begin = Distance { anchor: ray.near_anchor, offset: met.span[0] };
+                    self.trace_leaf(ray, instance, leaf, begin)?;
+                }
             }
         }
         ControlFlow::Continue(())
@@ -241,6 +282,7 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
         let ray = approach_frame(part_ray, &face, self.step);
         let origin = apply_rows(&face.axes, ray.origin);
         let direction = apply_rows(&face.axes, ray.direction);
+        let begin = Distance { anchor: part_ray.near_anchor, offset: span[0] };
         let span = Span { ends: span.map(|t| (part_ray.near_anchor - ray.anchor) + t), slack: face.slack };
         let roots = carrier_roots(face.kind, origin, direction, face.radii, &span);
         for &t in &roots.t[..roots.count] {
@@ -265,14 +307,20 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
             if cover != Cover::Outside {
                 let certainty = Certainty::of(cover, footprint.is_grazing);
                 let (face, net, is_shallow) = (index, NO_NET, is_shallow(footprint.cosine));
-                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
+                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow }, begin)?;
             }
         }
         ControlFlow::Continue(())
     }
 
-    /// The hits of a net leaf.
-    fn trace_leaf(&mut self, part_ray: &PartRay<T>, instance: u32, index: u32) -> ControlFlow<()> {
+    /// The hits of a net leaf, whose box begins at `box_begin`.
+    fn trace_leaf(
+        &mut self,
+        part_ray: &PartRay<T>,
+        instance: u32,
+        index: u32,
+        box_begin: Distance<T>,
+    ) -> ControlFlow<()> {
         self.tally.count(Step::Leaf);
         let scene = self.scene;
         let leaf = &scene.net_leaves[index as usize];
@@ -283,6 +331,7 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
         let (from, to) = (self.near.beyond(ray.anchor), self.far.beyond(ray.anchor));
         let slack = number(face.slack.into());
         let roots = leaf_roots(scene, leaf, net, &ray, from, to, self.search, slack, self.tally);
+        let begin = box_begin.later(Distance { anchor: ray.anchor, offset: roots.begin });
         for root in &roots.root[..roots.count] {
             let distance = Distance { anchor: ray.anchor, offset: root.t };
             if !is_between(distance, self.near, self.far) {
@@ -294,17 +343,17 @@ impl<T: Kernel, A: FnMut(RawHit<T>) -> Option<Distance<T>>, C: Tally> Trace<'_, 
                 let certainty = if roots.is_cut { Certainty::Border } else { found };
                 let (face, net, uv, is_shallow) =
                     (net.face, leaf.net, root.uv, is_shallow(root.footprint.cosine));
-                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow })?;
+                self.meet(RawHit { distance, instance, face, net, uv, certainty, is_shallow }, begin)?;
             }
         }
         ControlFlow::Continue(())
     }
 
     /// Hands on a hit; stops where no other matters.
-    fn meet(&mut self, hit: RawHit<T>) -> ControlFlow<()> {
-        match (self.accept)(hit) {
+    fn meet(&mut self, hit: RawHit<T>, begin: Distance<T>) -> ControlFlow<()> {
+        match (self.accept)(Candidate::new(hit, begin)) {
             Some(far) => {
-                self.far = far;
+                self.far = nearer(self.far, far, self.step);
                 ControlFlow::Continue(())
             }
             None => ControlFlow::Break(()),
@@ -332,7 +381,11 @@ pub fn window_parameters<T: Number>(face: &FaceFrame<T>, point: Vector3<T>) -> [
 
 /// The footprint of a ray on a face, at a point of the carrier in the carrier's frame; in normalised parameters.
 #[inline(always)]
-pub fn face_footprint<T: Number>(face: &FaceFrame<T>, point: Vector3<T>, direction: Vector3<T>) -> Footprint<T> {
+pub fn face_footprint<T: Number>(
+    face: &FaceFrame<T>,
+    point: Vector3<T>,
+    direction: Vector3<T>,
+) -> Footprint<T> {
     let [s_u, s_v] = carrier_tangents(face.kind, point, face.radii);
     let curvature = carrier_curvature(face.kind, point, face.radii);
     footprint(direction, s_u, s_v, curvature, face.slack).scaled(face.uv_scale)

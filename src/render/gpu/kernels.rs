@@ -8,7 +8,7 @@
 use super::{Gpu, GpuError, GpuScene};
 use crate::render::Exactness;
 use crate::render::cpu::trace::Certainty;
-use crate::render::cpu::{bsdf, light, path, pixels, section, shade};
+use crate::render::cpu::{bsdf, light, path, pixels, section, shade_rays};
 use crate::render::gpu::buffers::SCENE_BINDINGS;
 use crate::render::section::MAX_PLANES;
 use crate::scene::{
@@ -307,9 +307,9 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("SURFACE_OFFSET", light::SURFACE_OFFSET as f32),
         ("LEAST_ALPHA", bsdf::LEAST_ALPHA),
         ("DIELECTRIC", bsdf::DIELECTRIC),
-        ("SAME_WAY", shade::SAME_WAY),
-        ("CLOSE", shade::CLOSE),
-        ("OTHER", shade::OTHER),
+        ("SAME_WAY", shade_rays::SAME_WAY),
+        ("CLOSE", shade_rays::CLOSE),
+        ("OTHER", shade_rays::OTHER),
         ("HATCH_SHARE", section::HATCH_SHARE),
         ("HATCH_LIGHT", section::HATCH_LIGHT),
         ("BEFORE_ONE", trim_study::BEFORE_ONE),
