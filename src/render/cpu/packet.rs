@@ -25,7 +25,7 @@ use super::trace::{
     Candidate, Certainty, RawHit, face_footprint, face_parameters, is_between, is_in_leaf, is_shallow,
     keep_first, leaf_hits, nearer, window_margins, window_parameters,
 };
-use super::vector::Vector3;
+use super::vector::{Vector3, vec3};
 use super::{Kernel, NO_NET};
 use crate::numeric::{Eight, Mask, Mask8};
 use crate::render::NetSearch;
@@ -53,46 +53,83 @@ impl Segment {
     }
 }
 
-/// The first hits of rays: of each what [`super::trace::first_hit_before`] finds of it alone.
+/// Up to eight rays, and the parts of them that matter, lane by lane.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Packet {
+    grid: [[i32; LANES]; 3],
+    fraction: [[f32; LANES]; 3],
+    direction: [[f32; LANES]; 3],
+    direction_low: [[f32; LANES]; 3],
+    near: Ends,
+    far: Ends,
+    /// A bit for each lane with a ray.
+    asked: u32,
+}
+
+impl Packet {
+    /// Puts a ray into a lane.
+    #[inline(always)]
+    pub fn put(&mut self, lane: usize, segment: &Segment) {
+        let Segment { ray, near, far } = segment;
+        for k in 0..3 {
+            self.grid[k][lane] = ray.grid[k];
+            self.fraction[k][lane] = ray.fraction.to_array()[k];
+            self.direction[k][lane] = ray.direction.to_array()[k];
+            self.direction_low[k][lane] = ray.direction_low.to_array()[k];
+        }
+        self.near.put(lane, *near);
+        self.far.put(lane, *far);
+        self.asked |= 1 << lane;
+    }
+
+    fn ray(&self) -> WorldRay<Eight> {
+        let vector = |[x, y, z]: [[f32; LANES]; 3]| vec3(Eight::new(x), Eight::new(y), Eight::new(z));
+        WorldRay {
+            grid: self.grid.map(Into::into),
+            fraction: vector(self.fraction),
+            direction: vector(self.direction),
+            direction_low: vector(self.direction_low),
+        }
+    }
+}
+
+/// The first hits of rays, by lane: of each what [`super::trace::first_hit_before`] finds of it alone.
 pub fn first_hits(
     scene: &Scene<'_>,
     search: impl Into<NetSearch>,
-    segments: &[Option<Segment>; LANES],
-) -> [Option<RawHit<f32>>; LANES] {
-    let Some(some) = segments.iter().flatten().next() else { return [None; LANES] };
-    let all = segments.map(|segment| segment.unwrap_or(*some));
-    let asked = (0..LANES).fold(0, |bits, lane| bits | u32::from(segments[lane].is_some()) << lane);
+    packet: &Packet,
+) -> [Option<Candidate<f32>>; LANES] {
     let mut trace = PacketTrace {
         scene,
         search: search.into(),
         step: GridStep::of(scene.header),
         narrow_step: GridStep::of(scene.header),
-        near: distances(all.map(|segment| segment.near)),
-        far: Far {
-            anchor: all.map(|segment| segment.far.anchor),
-            offset: all.map(|segment| segment.far.offset),
-        },
+        near: packet.near.all(),
+        far: packet.far,
         first: [None; LANES],
     };
-    trace.trace_instances(&WorldRay::of_lanes(&all.map(|segment| segment.ray)), Mask8::of_bits(asked));
-    trace.first.map(|first| first.map(|first| first.hit))
+    if packet.asked != 0 {
+        trace.trace_instances(&packet.ray(), Mask8::of_bits(packet.asked));
+    }
+    trace.first
 }
 
-fn distances(lanes: [Distance<f32>; LANES]) -> Distance<Eight> {
-    Distance { anchor: Eight::new(lanes.map(|d| d.anchor)), offset: Eight::new(lanes.map(|d| d.offset)) }
-}
-
-/// Where the rays end, lane by lane.
-#[derive(Debug, Clone, Copy)]
-struct Far {
+/// Where rays begin or end, lane by lane.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ends {
     anchor: [f32; LANES],
     offset: [f32; LANES],
 }
 
-impl Far {
+impl Ends {
     #[inline(always)]
     fn all(&self) -> Distance<Eight> {
         Distance { anchor: Eight::new(self.anchor), offset: Eight::new(self.offset) }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, distance: Distance<f32>) {
+        (self.anchor[lane], self.offset[lane]) = (distance.anchor, distance.offset);
     }
 
     #[inline(always)]
@@ -112,7 +149,7 @@ struct PacketTrace<'t> {
     narrow_step: GridStep<f32>,
     near: Distance<Eight>,
     /// Where hits end to matter; once there is one, where it counts.
-    far: Far,
+    far: Ends,
     first: [Option<Candidate<f32>>; LANES],
 }
 
@@ -311,8 +348,7 @@ impl PacketTrace<'_> {
     #[inline]
     fn keep(&mut self, lane: usize, candidate: Candidate<f32>) {
         let found = keep_first(&mut self.first[lane], candidate);
-        let far = nearer(self.far.lane(lane), found, self.narrow_step);
-        (self.far.anchor[lane], self.far.offset[lane]) = (far.anchor, far.offset);
+        self.far.put(lane, nearer(self.far.lane(lane), found, self.narrow_step));
     }
 }
 

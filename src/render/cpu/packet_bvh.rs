@@ -48,6 +48,7 @@ pub struct PacketMet {
 
 impl PacketWalk {
     /// Over a tree of `node_count` nodes, by those of eight rays that are `asked`, which meet it from `begin` on.
+    #[inline(always)]
     pub fn new(
         [first_node, node_count, first_primitive]: [u32; 3],
         origin: Vector3<Eight>,

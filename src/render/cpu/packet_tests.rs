@@ -1,6 +1,6 @@
 //! What eight rays find together is what each finds alone, to the bit.
 
-use super::packet::{LANES, Segment, first_hits};
+use super::packet::{LANES, Packet, Segment, first_hits};
 use super::ray_space::{Distance, prepare};
 use super::test_scenes::Random;
 use super::trace::{RawHit, first_hit_before};
@@ -43,7 +43,13 @@ fn compare(
             }
         };
         let segments: [Option<Segment>; LANES] = std::array::from_fn(|_| segment());
-        let together = first_hits(scene, exactness, &segments);
+        let mut packet = Packet::default();
+        for (lane, segment) in segments.iter().enumerate() {
+            if let Some(segment) = segment {
+                packet.put(lane, segment);
+            }
+        }
+        let together = first_hits(scene, exactness, &packet).map(|first| first.map(|first| first.hit));
         for (segment, together) in segments.iter().zip(&together) {
             let alone = segment
                 .and_then(|Segment { ray, near, far }| first_hit_before(scene, exactness, &ray, near, far));
@@ -88,5 +94,5 @@ fn eight_find_together_what_each_finds_alone() {
 #[test]
 fn packets_without_rays_find_nothing() {
     let scene = baked("knob");
-    assert!(first_hits(&scene.scene(), Exactness::Exact, &[None; LANES]).iter().all(Option::is_none));
+    assert!(first_hits(&scene.scene(), Exactness::Exact, &Packet::default()).iter().all(Option::is_none));
 }

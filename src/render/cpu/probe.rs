@@ -3,9 +3,9 @@
 use super::beside::settle;
 use super::footprint::{LONGEST, same_place};
 use super::hit::{finish_hit, hit_normal, world_slack};
-use super::packet::{LANES, Segment, first_hits};
+use super::packet::{LANES, Packet, Segment, first_hits};
 use super::parity::{Crossing, consistent};
-use super::ray_space::{Distance, PreparedRay, prepare};
+use super::ray_space::{Distance, PreparedRay, place, prepare, scene_radius};
 use super::trace::{Certainty, RawHit, first_hit, trace};
 use super::vector::number;
 use super::{Kernel, NO_NET, Precision};
@@ -82,15 +82,21 @@ pub fn probe_with(
 
 /// How far each ray goes to its first hit, as pictures take it: in f32, and whatever the bodies can have. Infinite where it meets nothing.
 pub fn first_distances(scene: &Scene<'_>, rays: &[Ray]) -> Vec<f64> {
+    let radius = scene_radius(scene.header);
     let mut distances = vec![f64::INFINITY; rays.len()];
     distances.par_chunks_mut(LANES).zip(rays.par_chunks(LANES)).for_each(|(distances, rays)| {
-        let prepared: [Option<PreparedRay<f32>>; LANES] =
-            std::array::from_fn(|lane| rays.get(lane).and_then(|ray| prepare(ray, scene.header)));
-        let segments = std::array::from_fn(|lane| prepared[lane].as_ref().map(Segment::of));
-        let hits = first_hits(scene, Exactness::default(), &segments);
-        for (distance, (prepared, hit)) in distances.iter_mut().zip(prepared.iter().zip(&hits)) {
-            if let (Some(prepared), Some(hit)) = (prepared, hit) {
-                *distance = prepared.start + hit.distance.to_f64();
+        let mut packet = Packet::default();
+        let mut starts = [0.0; LANES];
+        for (lane, ray) in rays.iter().enumerate() {
+            if let Some(prepared) = place::<f32>(ray, scene.header, radius) {
+                packet.put(lane, &Segment::of(&prepared));
+                starts[lane] = prepared.start;
+            }
+        }
+        let hits = first_hits(scene, Exactness::default(), &packet);
+        for (distance, (start, first)) in distances.iter_mut().zip(starts.iter().zip(&hits)) {
+            if let Some(first) = first {
+                *distance = start + first.hit.distance.to_f64();
             }
         }
     });

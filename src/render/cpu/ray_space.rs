@@ -80,21 +80,6 @@ pub struct WorldRay<T: Number> {
     pub direction_low: Vector3<T>,
 }
 
-impl WorldRay<Eight> {
-    /// Of eight rays.
-    pub fn of_lanes(rays: &[WorldRay<f32>; 8]) -> Self {
-        let vectors = |vector: fn(&WorldRay<f32>) -> Vector3<f32>| {
-            Vector3::of_lanes(std::array::from_fn(|lane| vector(&rays[lane])))
-        };
-        Self {
-            grid: std::array::from_fn(|k| std::array::from_fn(|lane| rays[lane].grid[k]).into()),
-            fraction: vectors(|ray| ray.fraction),
-            direction: vectors(|ray| ray.direction),
-            direction_low: vectors(|ray| ray.direction_low),
-        }
-    }
-}
-
 /// A ray in part space: `grid · grid_step + fraction + (t − anchor) · direction`.
 #[derive(Debug, Clone, Copy)]
 pub struct PartRay<T: Number> {

@@ -8,7 +8,7 @@
 
 use super::frames::grid_position;
 use super::hit::hit_normal;
-use super::packet::{LANES, Segment, first_hits};
+use super::packet::{LANES, Packet, Segment, first_hits};
 use super::ray_space::{Distance, GridStep, WorldRay, scene_radius, whole_steps};
 use super::shade::surface_offset;
 use super::trace::{Candidate, RawHit, first_hit_before, keep_first, trace};
@@ -274,20 +274,25 @@ pub fn first_seen(
     found.map(seen)
 }
 
-/// [`first_seen`] of eight rays: together where nothing is cut.
+/// [`first_seen`] of up to eight rays: together where nothing is cut.
 pub fn first_seen_of_each(
     scene: &Scene<'_>,
     exactness: Exactness,
-    segments: &[Option<Segment>; LANES],
-    cuts: &mut [Option<Cut>; LANES],
+    ways: &mut [Option<(Segment, Option<Cut>)>; LANES],
 ) -> [Option<Seen>; LANES] {
-    if cuts.iter().all(Option::is_none) {
-        let seen = |hit| Seen { hit, cap: NO_PLANE };
-        return first_hits(scene, exactness, segments).map(|hit| hit.map(seen));
+    if ways.iter().flatten().all(|(_, cut)| cut.is_none()) {
+        let mut packet = Packet::default();
+        for (lane, way) in ways.iter().enumerate() {
+            if let Some((segment, _)) = way {
+                packet.put(lane, segment);
+            }
+        }
+        let seen = |first: Candidate<f32>| Seen { hit: first.hit, cap: NO_PLANE };
+        return first_hits(scene, exactness, &packet).map(|first| first.map(seen));
     }
-    std::array::from_fn(|lane| {
-        let Segment { ray, near, far } = segments[lane].as_ref()?;
-        first_seen(scene, exactness, ray, *near, *far, &mut cuts[lane])
+    ways.each_mut().map(|way| {
+        let (Segment { ray, near, far }, cut) = way.as_mut()?;
+        first_seen(scene, exactness, ray, *near, *far, cut)
     })
 }
 

@@ -33,30 +33,16 @@ pub fn empty_center() -> Center {
     Center { open: 1.0, ..Center::zeroed() }
 }
 
-/// A ray on its way through what is seen.
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    segment: Segment,
-    cut: Option<Cut>,
-}
+/// A ray on its way through what is seen, and through the section.
+type Way = (Segment, Option<Cut>);
 
-impl Way {
-    fn new(shading: &Shading<'_, '_>, segment: Segment) -> Self {
-        Self { segment, cut: shading.cut(&segment.ray, segment.near) }
-    }
+fn way(shading: &Shading<'_, '_>, segment: Segment) -> Way {
+    (segment, shading.cut(&segment.ray, segment.near))
 }
 
 /// The first thing that each ray sees.
 fn see(shading: &Shading<'_, '_>, ways: &mut [Option<Way>; LANES]) -> [Option<Seen>; LANES] {
-    let segments = from_fn(|lane| ways[lane].map(|way| way.segment));
-    let mut cuts: [Option<Cut>; LANES] = from_fn(|lane| ways[lane].and_then(|way| way.cut));
-    let seen = first_seen_of_each(shading.scene, shading.options.exactness, &segments, &mut cuts);
-    for (way, cut) in ways.iter_mut().zip(cuts) {
-        if let Some(way) = way {
-            way.cut = cut;
-        }
-    }
-    seen
+    first_seen_of_each(shading.scene, shading.options.exactness, ways)
 }
 
 /// What the rays through the centres of up to eight pixels show, and what they see of the sky by one ray each. A pixel is given by its ray and its key.
@@ -64,16 +50,16 @@ pub fn shade_centers(shading: &Shading<'_, '_>, camera: &Camera, pixels: &[(Ray,
     let scene = shading.scene;
     let prepared: [_; LANES] =
         from_fn(|lane| pixels.get(lane).and_then(|(ray, _)| prepare::<f32>(ray, scene.header)));
-    let mut ways = from_fn(|lane| prepared[lane].as_ref().map(|ray| Way::new(shading, Segment::of(ray))));
+    let mut ways = from_fn(|lane| prepared[lane].as_ref().map(|ray| way(shading, Segment::of(ray))));
     let seen = see(shading, &mut ways);
     let normals: [_; LANES] = from_fn(|lane| {
         let (way, seen) = (ways[lane]?, seen[lane]?);
-        Some(visible_normal(shading, &way.segment.ray, &seen))
+        Some(visible_normal(shading, &way.0.ray, &seen))
     });
     let open = if shading.options.ambient_occlusion {
         let asked = from_fn(|lane| {
             let (way, seen, (_, pixel)) = (ways[lane]?, seen[lane]?, pixels.get(lane)?);
-            Some(sky_ray(shading, &way.segment.ray, &seen.hit, normals[lane]?, sky_sample(*pixel, 0, 1)))
+            Some(sky_ray(shading, &way.0.ray, &seen.hit, normals[lane]?, sky_sample(*pixel, 0, 1)))
         });
         openness_of_each(shading, asked)
     } else {
@@ -124,13 +110,13 @@ pub fn shade_samples(
     let mut shaded = [Shaded::default(); LANES];
     let mut ways = from_fn(|lane| {
         let prepared = prepare::<f32>(&samples.get(lane)?.0, scene.header)?;
-        Some(Way::new(shading, Segment::of(&prepared)))
+        Some(way(shading, Segment::of(&prepared)))
     });
     for layer in 1..=MAX_LAYERS {
         let seen = see(shading, &mut ways);
         let normals: [_; LANES] = from_fn(|lane| {
             let (way, seen) = (ways[lane]?, seen[lane]?);
-            Some(visible_normal(shading, &way.segment.ray, &seen))
+            Some(visible_normal(shading, &way.0.ray, &seen))
         });
         let open = if shading.options.ambient_occlusion {
             openness_of_samples(shading, &ways, &seen, &normals, samples, (pixel, layer, around))
@@ -145,7 +131,7 @@ pub fn shade_samples(
             let shaded = &mut shaded[lane];
             let hit = seen.hit;
             let material = hit_material(scene, hit.instance, hit.face);
-            let light = seen_light(shading, &way.segment.ray, &seen, n, &material);
+            let light = seen_light(shading, &way.0.ray, &seen, n, &material);
             if layer == 1 {
                 shaded.lit = Some(light(1.0));
                 shaded.first = Some((hit.instance, hit.face));
@@ -166,7 +152,7 @@ pub fn shade_samples(
                 continue;
             }
             let skip = surface_offset(scene);
-            way.segment.near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
+            way.0.near = Distance { anchor: hit.distance.anchor, offset: hit.distance.offset + skip };
         }
         if ways.iter().all(Option::is_none) {
             break;
@@ -191,7 +177,7 @@ fn openness_of_samples(
     let asked = from_fn(|lane| {
         let (way, seen, n, (_, sample)) = (ways[lane]?, seen[lane]?, normals[lane]?, samples.get(lane)?);
         let place = sky_sample(pixel, *sample, shading.options.samples);
-        (known[lane] < 0.0).then(|| sky_ray(shading, &way.segment.ray, &seen.hit, n, place))
+        (known[lane] < 0.0).then(|| sky_ray(shading, &way.0.ray, &seen.hit, n, place))
     });
     let found = openness_of_each(shading, asked);
     from_fn(|lane| if known[lane] < 0.0 { found[lane] } else { known[lane] })
@@ -256,7 +242,7 @@ fn sky_ray(
 
 /// What rays see of the sky; 1 for none.
 fn openness_of_each(shading: &Shading<'_, '_>, asked: [Option<Segment>; LANES]) -> [f32; LANES] {
-    let mut ways = asked.map(|asked| asked.map(|segment| Way::new(shading, segment)));
+    let mut ways = asked.map(|asked| asked.map(|segment| way(shading, segment)));
     let distance = sky_distance(shading.scene);
     see(shading, &mut ways).map(|seen| openness(seen, distance))
 }

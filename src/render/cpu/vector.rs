@@ -95,16 +95,6 @@ impl Vector3<Eight> {
     pub fn lane(self, lane: usize) -> Vector3<f32> {
         vec3(self.x.to_array()[lane], self.y.to_array()[lane], self.z.to_array()[lane])
     }
-
-    /// Of eight vectors.
-    #[inline(always)]
-    pub fn of_lanes(vectors: [Vector3<f32>; 8]) -> Self {
-        vec3(
-            Eight::new(vectors.map(|v| v.x)),
-            Eight::new(vectors.map(|v| v.y)),
-            Eight::new(vectors.map(|v| v.z)),
-        )
-    }
 }
 
 impl<T: Number> Add for Vector3<T> {
