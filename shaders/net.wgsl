@@ -1,4 +1,4 @@
-// Rays against a leaf of a rational Bézier net; the twin of render/cpu/net.rs, where the essay is.
+// Rays against a leaf of a rational Bézier net; the twin of render/cpu/net.rs, newton.rs and leaf.rs, where the essay is.
 
 const MAX_ROOTS: u32 = 6u;
 const OVERLAP: f32 = 1.0 / 1048576.0;

@@ -25,6 +25,7 @@ struct Collected {
 
 const NO_NET: u32 = 0xffffffffu;
 
+// Of hits as near as their slacks the twin may take another: it lets a hit count from where its box begins, so that the order of its walks is of no account.
 fn comes_before(a: RawHit, b: RawHit) -> bool {
     let ahead = minus(a.distance, b.distance);
     if ahead != 0.0 {

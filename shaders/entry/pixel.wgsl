@@ -1,4 +1,4 @@
-// What a ray through a pixel shows; the twin of render/cpu/shade.rs as far as that walks through layers. Only pictures have these functions: they read the
+// What a ray through a pixel shows; the twin of render/cpu/shade_rays.rs as far as that walks through layers. Only pictures have these functions: they read the
 // parameters and the refined pixels of render.wgsl.
 
 const MAX_LAYERS: u32 = 8u;
@@ -17,7 +17,7 @@ struct Shaded {
     cap: u32,
 }
 
-// The twin's `shade_center` and `shade_sample`. One loop walks the ray and the rays that look for the sky in turn, so that `first_seen` stands once.
+// The twin's `shade_centers` and `shade_samples`. One loop walks the ray and the rays that look for the sky in turn, so that `first_seen` stands once.
 fn shade_layers(
     lights: Lights,
     section: Section,

@@ -137,9 +137,9 @@ pub fn next_primitive<T: Kernel>(
         }
         tally.count(Step::Node);
         let node = &scene.bvh_nodes[(walk.first_node + child.index) as usize];
-        // No child begins before its parent, whatever its bytes are rounded to.
-        let span = [near.max(child.span[0]), far.min(child.span[1])];
-        intersect_node(node, ray, span, &mut walk.waiting);
+        // No child begins before its parent, whatever its bytes are rounded to. Where it ends does not depend on `far`: what is looked for in it shall not either.
+        let span = [near.max(child.span[0]), child.span[1]];
+        intersect_node(node, ray, span, far, &mut walk.waiting);
     }
 }
 
@@ -148,10 +148,12 @@ pub fn next_primitive<T: Kernel>(
 fn intersect_node<T: Kernel>(
     node: &BvhNode,
     ray: &BvhRay<T>,
-    [near, far]: [T; 2],
+    [begin, end]: [T; 2],
+    far: T,
     waiting: &mut ArrayVec<Child<T>, STACK_SIZE>,
 ) {
-    let (mut met, spans) = children_met(node, ray, near, far);
+    let (mut met, spans) = children_met(node, ray, begin, end);
+    met &= spans[0].at_most(T::Octet::all(far));
     let spans = spans.map(Octet::halves);
     let first = waiting.len();
     while met != 0 {
@@ -343,6 +345,20 @@ mod tests {
             }
             assert!(next_primitive(&mut walk, &scene, &ray, 0.0, far, &mut ()).is_none());
         }
+    }
+
+    #[test]
+    fn spans_end_with_boxes_wherever_hits_end_to_matter() {
+        let buffers = SceneBuffers {
+            bvh_nodes: vec![row(|slot| slot as u8)],
+            primitives: (0..8).collect(),
+            ..SceneBuffers::default()
+        };
+        let ray = bvh_ray::<f32>(vec3(-20.0, 5.0, 5.0), vec3(1.0, 0.0, 0.0));
+        let mut walk = start_walk(0, 1, 0, f32::NEG_INFINITY);
+        let met = next_primitive(&mut walk, &buffers.scene(), &ray, 0.0, 22.0, &mut ()).expect("a face");
+        assert!((met.span[1] - 30.0).abs() < 1e-3, "{met:?}");
+        assert!(next_primitive(&mut walk, &buffers.scene(), &ray, 0.0, 22.0, &mut ()).is_none());
     }
 
     /// Two inner nodes, three primitives in one slot, one in another, and four slots with nothing in them.

@@ -44,7 +44,7 @@ pub struct LeafRay<'a, T> {
     pub slack: T,
     /// The leaf's.
     pub pole: Pole,
-    /// See [`NetSearch::newton_stop`].
+    /// See [`crate::render::NetSearch::newton_stop`].
     pub newton_stop: T,
 }
 

@@ -22,8 +22,8 @@ use super::ray_space::{
 use super::slab::intersect_slab;
 use super::torus::torus_roots;
 use super::trace::{
-    Candidate, Certainty, RawHit, face_footprint, face_parameters, is_between, is_in_leaf, is_shallow,
-    keep_first, leaf_hits, nearer, window_margins, window_parameters,
+    Candidate, Certainty, RawHit, behind, face_footprint, face_parameters, is_between, is_in_leaf,
+    is_shallow, keep_first, leaf_hits, nearer, window_margins, window_parameters,
 };
 use super::vector::{Vector3, vec3};
 use super::{Kernel, NO_NET};
@@ -103,7 +103,7 @@ pub fn first_hits(
         scene,
         search: search.into(),
         step: GridStep::of(scene.header),
-        narrow_step: GridStep::of(scene.header),
+        behind: behind(scene.header),
         near: packet.near.all(),
         far: packet.far,
         first: [None; LANES],
@@ -146,7 +146,8 @@ struct PacketTrace<'t> {
     scene: &'t Scene<'t>,
     search: NetSearch,
     step: GridStep<Eight>,
-    narrow_step: GridStep<f32>,
+    /// See [`nearer`].
+    behind: f32,
     near: Distance<Eight>,
     /// Where hits end to matter; once there is one, where it counts.
     far: Ends,
@@ -348,7 +349,7 @@ impl PacketTrace<'_> {
     #[inline]
     fn keep(&mut self, lane: usize, candidate: Candidate<f32>) {
         let found = keep_first(&mut self.first[lane], candidate);
-        self.far.put(lane, nearer(self.far.lane(lane), found, self.narrow_step));
+        self.far.put(lane, nearer(self.far.lane(lane), found, self.behind));
     }
 }
 

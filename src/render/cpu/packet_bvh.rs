@@ -83,9 +83,9 @@ impl PacketWalk {
                 continue;
             }
             let node = &scene.bvh_nodes[(self.first_node + child.index) as usize];
-            // As in `bvh`: no child begins before its parent.
-            let span = [Number::max(near, child.enter), Number::min(far, child.leave)];
-            intersect_node(node, &self.rays, span, child.rays, &mut self.waiting);
+            // As in `bvh`: no child begins before its parent, and where it ends does not depend on `far`.
+            let span = [Number::max(near, child.enter), child.leave];
+            intersect_node(node, &self.rays, span, far, child.rays, &mut self.waiting);
         }
     }
 }
@@ -95,7 +95,8 @@ impl PacketWalk {
 fn intersect_node(
     node: &BvhNode,
     rays: &[AxisRay<Eight>; 3],
-    [near, far]: [Eight; 2],
+    [begin, end]: [Eight; 2],
+    far: Eight,
     asked: Mask8,
     waiting: &mut ArrayVec<Child, STACK_SIZE>,
 ) {
@@ -117,14 +118,14 @@ fn intersect_node(
             }
             (node.primitive_base + (meta & 31), (meta >> 5).count_ones())
         };
-        let (mut enter, mut leave) = (near, far);
+        let (mut enter, mut leave) = (begin, end);
         for axis in 0..3 {
             let [to_near, to_far, scale] = terms[axis];
             let (a, b) = (Eight::splat(low[axis][slot]) * scale, Eight::splat(high[axis][slot]) * scale);
             enter = (Number::min(a, b) + to_near).greater(enter);
             leave = (Number::max(a, b) + to_far).lesser(leave);
         }
-        let rays = asked & enter.is_at_most(leave);
+        let rays = asked & enter.is_at_most(leave.lesser(far));
         if rays.any() {
             let first = enter.to_array()[rays.bits().trailing_zeros() as usize & 7];
             met.push((first, Child { enter, leave, rays, index, count }));

@@ -143,14 +143,14 @@ fn sample_pixel(shading: &Shading<'_, '_>, camera: &Camera, [x, y]: [u32; 2], re
     let samples = options.samples.max(1);
     let (mut color, mut flags) = ([0.0_f32; 4], 0);
     let mut first_hits = FirstHits::default();
-    let numbers: Vec<u32> = (0..samples).collect();
-    for numbers in numbers.chunks(LANES) {
-        let offset = |&sample: &u32| sample_offset(pixel, sample, samples);
-        let places: ArrayVec<[f32; 2], LANES> = numbers.iter().map(offset).collect();
+    for first in (0..samples).step_by(LANES) {
+        let numbers = first..samples.min(first + LANES as u32);
+        let places: ArrayVec<[f32; 2], LANES> =
+            numbers.clone().map(|sample| sample_offset(pixel, sample, samples)).collect();
         let rays: ArrayVec<(Ray, u32), LANES> = places
             .iter()
             .zip(numbers)
-            .map(|(place, &sample)| {
+            .map(|(place, sample)| {
                 let (px, py) = (f64::from(x) + f64::from(place[0]), f64::from(y) + f64::from(place[1]));
                 (pixel_ray(camera, options.resolution, px, py), sample)
             })

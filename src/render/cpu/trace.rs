@@ -16,7 +16,7 @@ use super::{Kernel, NO_NET};
 use crate::numeric::Number;
 use crate::render::NetSearch;
 use crate::scene::primitive::{Primitive, unpack};
-use crate::scene::{Face, Net, NetLeaf, Scene, TRIM_INSIDE};
+use crate::scene::{Face, Header, Net, NetLeaf, Scene, TRIM_INSIDE};
 use arrayvec::ArrayVec;
 use std::ops::ControlFlow;
 
@@ -79,8 +79,8 @@ impl<T> RawHit<T> {
 }
 
 /// The first hit after `near` of faces as wide as their slack, whatever their bodies can have: past an edge it may be one that is left out of all hits.
-/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks for its certainty. Of equally near hits that of the lowest face,
-/// net and instance, whatever the order of the walk.
+/// Pictures take it as it is, for it is off by the slack at most; whom that matters asks for its certainty. Which it is does not depend on the order of the walk:
+/// see [`Candidate`]; of equally near hits it is that of the lowest face, net and instance.
 pub fn first_hit<T: Kernel>(
     scene: &Scene<'_>,
     search: impl Into<NetSearch>,
@@ -105,8 +105,8 @@ pub fn first_hit_before<T: Kernel>(
 
 /// A hit that may be the first.
 ///
-/// As wide as its footprint a face is found just outside of the boxes and slabs that hold it; one that begins behind a hit is not entered. That such a hit is the first
-/// must not depend on whether its own were entered before: it counts from where the last of them begins.
+/// As wide as its footprint a face is found just outside of the boxes and slabs that hold it; one that begins behind a hit is not entered. Whether such a hit is
+/// the first must not depend on whether its own were entered before: it counts from where the last of them begins.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidate<T> {
     /// The hit.
@@ -137,7 +137,10 @@ pub fn keep_first<T: Kernel>(first: &mut Option<Candidate<T>>, candidate: Candid
 /// A total order: by sums in f64, for differences of pairs are none, then by face, net and instance, and of one place found in two leaves by how it is found.
 fn comes_before<T: Kernel>(a: &Candidate<T>, b: &Candidate<T>) -> bool {
     let ids = |hit: &RawHit<T>| [hit.face, hit.net, hit.instance];
-    let found = |hit: &RawHit<T>| [hit.uv[0], hit.uv[1], hit.distance.anchor].map(T::to_f64);
+    let found = |hit: &RawHit<T>| {
+        let place = [hit.uv[0], hit.uv[1], hit.distance.anchor].map(T::to_f64);
+        (place, hit.certainty, hit.is_shallow)
+    };
     let ahead = [[a.from, b.from], [a.hit.distance, b.hit.distance]].map(|[a, b]| a.to_f64() - b.to_f64());
     match ahead.into_iter().find(|&ahead| ahead != 0.0) {
         Some(ahead) => ahead < 0.0,
@@ -145,14 +148,21 @@ fn comes_before<T: Kernel>(a: &Candidate<T>, b: &Candidate<T>) -> bool {
     }
 }
 
-/// How far behind the first hit others are still looked for, in steps of the grid: a multiple of what differences of distances are rounded by, which are at most
-/// some 2¹⁷ steps. Which is the first then does not depend on those roundings, nor on which was found first.
-const BEHIND: f64 = 1.0 / 8.0;
+/// How far behind the first hit others are still looked for, in half sides of the scene: some times what differences of distances are rounded by in f32, which
+/// reach across all of it. Which is the first then does not depend on those roundings, nor on which was found first.
+const BEHIND: f64 = 1.0 / 524_288.0;
+
+/// That distance, millimetres.
+#[inline(always)]
+pub fn behind<T: Number>(header: &Header) -> T {
+    let [x, y, z] = header.half_size;
+    T::from_f32(x + y + z) * number(BEHIND)
+}
 
 /// Where hits end to matter: at `found`, but for roundings, if that is before `far`.
 #[inline(always)]
-pub fn nearer<T: Number>(far: Distance<T>, found: Distance<T>, step: GridStep<T>) -> Distance<T> {
-    let found = Distance { offset: found.offset + step.size * number(BEHIND), ..found };
+pub fn nearer<T: Number>(far: Distance<T>, found: Distance<T>, behind: T) -> Distance<T> {
+    let found = Distance { offset: found.offset + behind, ..found };
     let is_nearer = found.minus(far).is_less(T::ZERO);
     let choose = |yes, no| T::choose(is_nearer, yes, no);
     Distance { anchor: choose(found.anchor, far.anchor), offset: choose(found.offset, far.offset) }
@@ -353,7 +363,7 @@ impl<T: Kernel, A: FnMut(Candidate<T>) -> Option<Distance<T>>, C: Tally> Trace<'
     fn meet(&mut self, hit: RawHit<T>, begin: Distance<T>) -> ControlFlow<()> {
         match (self.accept)(Candidate::new(hit, begin)) {
             Some(far) => {
-                self.far = nearer(self.far, far, self.step);
+                self.far = nearer(self.far, far, behind(self.scene.header));
                 ControlFlow::Continue(())
             }
             None => ControlFlow::Break(()),
