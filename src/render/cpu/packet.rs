@@ -138,9 +138,6 @@ impl Ends {
     }
 }
 
-/// The indices of an instance, a face and a net or none.
-type Place3 = [u32; 3];
-
 /// A trace in progress.
 struct PacketTrace<'t> {
     scene: &'t Scene<'t>,
@@ -379,7 +376,8 @@ struct Found {
     begin: Distance<Eight>,
     uv: [Eight; 2],
     footprint: Footprint<Eight>,
-    ids: Place3,
+    /// The indices of the instance, the face and the net or none.
+    ids: [u32; 3],
 }
 
 impl Found {
