@@ -23,6 +23,7 @@
 
 use super::bernstein::{NetJet, net_degrees};
 use super::leaf::{Domain, LeafRay, Pole, leaf_bend};
+use super::newton::newton_fraction;
 use super::planes::{plane_jet, plane_norm};
 use super::vector::{Vector3, number};
 use crate::numeric::Real;
@@ -207,8 +208,7 @@ pub fn examine<T: Real>(
     let beyond = if cell.is_at_end(&at.domain) { at.slack } else { T::ZERO };
     let curving = bend * cell.bend_area(at, reach);
     let remainder = curving * number(0.5) + rounding + beyond;
-    let determinant = f_s[0] * f_t[1] - f_s[1] * f_t[0];
-    let step = [f[0] * f_t[1] - f[1] * f_t[0], f_s[0] * f[1] - f_s[1] * f[0]];
+    let (determinant, step) = newton_fraction([f, f_s, f_t]);
     let rows = [plane_norm(planes, [f_t[1], -f_t[0]]), plane_norm(planes, [-f_s[1], f_s[0]])];
     let misses = |k: usize| {
         f[k].abs() > f_s[k].abs() + f_t[k].abs() + plane_norms[k] * remainder

@@ -45,6 +45,15 @@ fn see(shading: &Shading<'_, '_>, ways: &mut [Option<Way>; LANES]) -> [Option<Se
     first_seen_of_each(shading.scene, shading.options.exactness, ways)
 }
 
+/// The normals of what is seen, towards the eye.
+fn normals(
+    shading: &Shading<'_, '_>,
+    ways: &[Option<Way>; LANES],
+    seen: &[Option<Seen>; LANES],
+) -> [Option<Vector3<f32>>; LANES] {
+    from_fn(|lane| Some(visible_normal(shading, &ways[lane]?.0.ray, &seen[lane]?)))
+}
+
 /// What the rays through the centres of up to eight pixels show, and what they see of the sky by one ray each. A pixel is given by its ray and its key.
 pub fn shade_centers(shading: &Shading<'_, '_>, camera: &Camera, pixels: &[(Ray, u32)]) -> [Center; LANES] {
     let scene = shading.scene;
@@ -52,10 +61,7 @@ pub fn shade_centers(shading: &Shading<'_, '_>, camera: &Camera, pixels: &[(Ray,
         from_fn(|lane| pixels.get(lane).and_then(|(ray, _)| prepare::<f32>(ray, scene.header)));
     let mut ways = from_fn(|lane| prepared[lane].as_ref().map(|ray| way(shading, Segment::of(ray))));
     let seen = see(shading, &mut ways);
-    let normals: [_; LANES] = from_fn(|lane| {
-        let (way, seen) = (ways[lane]?, seen[lane]?);
-        Some(visible_normal(shading, &way.0.ray, &seen))
-    });
+    let normals = normals(shading, &ways, &seen);
     let open = if shading.options.ambient_occlusion {
         let asked = from_fn(|lane| {
             let (way, seen, (_, pixel)) = (ways[lane]?, seen[lane]?, pixels.get(lane)?);
@@ -114,10 +120,7 @@ pub fn shade_samples(
     });
     for layer in 1..=MAX_LAYERS {
         let seen = see(shading, &mut ways);
-        let normals: [_; LANES] = from_fn(|lane| {
-            let (way, seen) = (ways[lane]?, seen[lane]?);
-            Some(visible_normal(shading, &way.0.ray, &seen))
-        });
+        let normals = normals(shading, &ways, &seen);
         let open = if shading.options.ambient_occlusion {
             openness_of_samples(shading, &ways, &seen, &normals, samples, (pixel, layer, around))
         } else {

@@ -62,6 +62,7 @@ impl Certainty {
         [Self::Certain, Self::Own].into_iter().find(|&own| own as u32 == word).unwrap_or(Self::Border)
     }
 
+    /// Of a hit that lies so to its face's border, of a ray that grazes the face or does not.
     pub fn of(cover: Cover, is_grazing: bool) -> Self {
         match (cover, is_grazing) {
             (Cover::Inside, false) => Self::Certain,
