@@ -4,6 +4,7 @@ const MAX_ISOLATION_LEVEL: u32 = 8u;
 const MAX_ISOLATION_CELLS: u32 = 4096u;
 const MAX_POLE_LEVEL: u32 = 21u;
 const QUARTER: f32 = 0.5 + 1.0 / 64.0;
+const WITHIN_SLACK: f32 = 0.25;
 const SIDES_U = vec4<f32>(-1.0, 1.0, -1.0, 1.0);
 const SIDES_V = vec4<f32>(-1.0, -1.0, 1.0, 1.0);
 
@@ -143,7 +144,8 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let reach = cell_radius(cell) * (1.0 + 1.0 / 64.0);
     let p = plane_jet(at.planes, jet, at.domain.size * reach);
     let curving = leaf_bend(at.leaf) * bend_area(cell, at, reach);
-    let remainder = curving * 0.5 + rounding + select(0.0, at.slack, is_at_end(cell, at.domain));
+    let beyond = select(0.0, at.slack, is_at_end(cell, at.domain));
+    let remainder = curving * 0.5 + rounding + beyond;
     let determinant = p.f_s.x * p.f_t.y - p.f_s.y * p.f_t.x;
     let step = vec2<f32>(p.f.x * p.f_t.y - p.f.y * p.f_t.x, p.f_s.x * p.f.y - p.f_s.y * p.f.x);
     let slope = at.planes.slope;
@@ -163,7 +165,9 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let is_regular = turning < 0.9 * abs(determinant)
         && turning * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
     let start = middle - select(vec2<f32>(0.0), step / determinant * (at.domain.size * reach), is_regular);
-    let may_split = !misses && !is_regular && count_along(cell.level, 1u - at.pole.axis) < MAX_ISOLATION_LEVEL;
+    let is_within_slack = 2.0 * max(length(a) * reach.x, length(b) * reach.y) < beyond * WITHIN_SLACK;
+    let may_split = !misses && !is_regular && !is_within_slack
+        && count_along(cell.level, 1u - at.pole.axis) < MAX_ISOLATION_LEVEL;
     // By quarter: low and low, high and low, low and high, high and high.
     let first = (p.f_s.x * SIDES_U + p.f_t.x * SIDES_V) * 0.5 + p.f.x;
     let second = (p.f_s.y * SIDES_U + p.f_t.y * SIDES_V) * 0.5 + p.f.y;

@@ -35,6 +35,9 @@ pub const MAX_ISOLATION_CELLS: u32 = 4096;
 /// Half the side of a quarter in half sides of its cell, and a sixty-fourth more: quarters overlap by more than what they are looked at beyond their sides.
 const QUARTER: f64 = 0.5 + 1.0 / 64.0;
 
+/// Of cells at the net's end that are smaller than this share of the slack the slack leaves all open, however often they are quartered.
+const WITHIN_SLACK: f64 = 0.25;
+
 /// Halvings towards a pole: the slack is at least 2⁻²¹ of the net.
 const MAX_POLE_LEVEL: u32 = 21;
 
@@ -193,6 +196,17 @@ pub fn leaf_bounds<T: Real>(at: &LeafRay<'_, T>) -> LeafBounds<T> {
     }
 }
 
+/// Whether a cell at the net's end, of half sides `reach`, is smaller than [`WITHIN_SLACK`] of what roots may lie `beyond` it.
+#[inline]
+fn is_within_slack<T: Real>(at: &LeafRay<'_, T>, reach: [T; 2], beyond: T) -> bool {
+    let longest = [at.leaf.tangent_u, at.leaf.tangent_v]
+        .map(|tangent| Vector3::<T>::from_f32(tangent).length())
+        .into_iter()
+        .zip(reach)
+        .fold(T::ZERO, |longest, (tangent, reach)| longest.max(tangent * (reach + reach)));
+    longest < beyond * number(WITHIN_SLACK)
+}
+
 /// Looks at a cell, at whose middle the net has the value and the derivatives of `jet`.
 pub fn examine<T: Real>(
     jet: &NetJet<T>,
@@ -240,7 +254,7 @@ pub fn examine<T: Real>(
         let is_large = cell.level[0].max(cell.level[1]) <= 2;
         let kind = if is_large { SearchKind::Unique } else { SearchKind::Regular };
         Verdict::Search { start, kind, across: T::ONE }
-    } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL {
+    } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL && !is_within_slack(at, reach, beyond) {
         let is_empty = |quarter: u32| {
             let side = [0, 1].map(|k| if quarter >> k & 1 == 1 { T::ONE } else { -T::ONE });
             (0..2).any(|k| {
