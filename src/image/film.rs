@@ -166,6 +166,19 @@ impl Film {
         }
     }
 
+    /// Gives up the layers that are not among `layers`.
+    pub fn keep(&mut self, layers: Layers) {
+        keep_if(layers.depth, &mut self.depth);
+        keep_if(layers.normal, &mut self.normal);
+        keep_if(layers.position, &mut self.position);
+        keep_if(layers.uv, &mut self.uv);
+        keep_if(layers.curvature, &mut self.curvature);
+        keep_if(layers.ids, &mut self.part);
+        keep_if(layers.ids, &mut self.face);
+        keep_if(layers.albedo, &mut self.albedo);
+        keep_if(layers.matte, &mut self.matte);
+    }
+
     /// Draws the lines over everything, in one colour (sRGB).
     pub fn draw_lines(&mut self, srgb: [f32; 3]) {
         let light = srgb.map(|code| decode_srgb(f64::from(code)) as f32);
@@ -282,6 +295,12 @@ impl Film {
 /// The array of a layer, or none.
 fn layer<T: Clone>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
     if is_there { vec![value; pixels] } else { Vec::new() }
+}
+
+fn keep_if<T>(is_kept: bool, layer: &mut Vec<T>) {
+    if !is_kept {
+        *layer = Vec::new();
+    }
 }
 
 /// Copies part of a row, where both films have the layer.

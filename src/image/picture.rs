@@ -27,10 +27,24 @@ impl<Code: Copy + Default + PartialEq + Not<Output = Code>> Picture<Code> {
     }
 }
 
+/// Pixels that a thread develops one after the other.
+const PIXELS_AT_A_TIME: usize = 4096;
+
 impl From<&Film> for Picture {
     fn from(film: &Film) -> Self {
-        let pixels =
-            film.color.par_iter().map(|&c| develop(c, 255.0, encode_srgb).map(|code| code as u8)).collect();
+        let mut pixels = vec![[0; 4]; film.color.len()];
+        pixels.par_chunks_mut(PIXELS_AT_A_TIME).zip(film.color.par_chunks(PIXELS_AT_A_TIME)).for_each(
+            |(pixels, colors)| {
+                // Of one colour there are often many in a row.
+                let mut last = ([0.0; 4], [0; 4]);
+                for (pixel, &color) in pixels.iter_mut().zip(colors) {
+                    if color != last.0 {
+                        last = (color, develop(color, 255.0, encode_srgb).map(|code| code as u8));
+                    }
+                    *pixel = last.1;
+                }
+            },
+        );
         Self { width: film.width, height: film.height, pixels }
     }
 }

@@ -4,6 +4,7 @@
 
 use super::files::{self, ImageError};
 use super::{DeepPicture, Film, Picture, Window};
+use rayon::prelude::*;
 use std::path::Path;
 
 /// More pixels than any camera has; a decoder must not believe a header.
@@ -54,7 +55,7 @@ impl Samples {
     pub(super) fn of_picture(picture: &Picture, keep_alpha: bool) -> Self {
         let is_opaque = !keep_alpha && picture.is_opaque();
         let bytes = if is_opaque {
-            let colors: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            let colors: Vec<[u8; 3]> = picture.pixels.par_iter().map(|&[r, g, b, _]| [r, g, b]).collect();
             colors.into_flattened()
         } else {
             picture.pixels.as_flattened().to_vec()

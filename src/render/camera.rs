@@ -86,6 +86,12 @@ impl Camera {
         }
     }
 
+    /// From [`Self::position`] to the point of such a ray at a depth, which is a distance along the view direction.
+    pub fn at_depth(&self, x: f64, y: f64, aspect: f64, depth: f64) -> DVec3 {
+        let across = self.across(x, y, aspect);
+        self.forward * depth + if self.orthographic { across } else { across * depth }
+    }
+
     /// From the middle of the picture to a place in it, as in [`Self::ray`], at distance 1.
     pub fn across(&self, x: f64, y: f64, aspect: f64) -> DVec3 {
         self.right * (x * aspect * self.half_height) + self.up * (y * self.half_height)

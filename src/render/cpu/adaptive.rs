@@ -11,7 +11,7 @@
 //! A pixel depends on those around it, as far as [`MARGIN`]: a part of a picture is rendered with such a border, and is then to the bit what the whole picture
 //! has there.
 
-use super::camera::center_ray;
+use super::camera::center_in_picture;
 use super::curvature::{Place, curvature};
 use super::hit::surface_parameters;
 use super::occlusion::{REACH, Surface, smooth};
@@ -50,9 +50,8 @@ pub struct Centers<'a> {
     scene: &'a Scene<'a>,
     camera: &'a Camera,
     options: &'a RenderOptions,
-    /// With the plain layers and those that are asked for.
+    /// With the plain layers and those that are asked for; its colours are without any sky, until that is known.
     film: Film,
-    dark: Vec<[f32; 3]>,
     lit: Vec<[f32; 3]>,
     open: Vec<f32>,
     see_through: Vec<bool>,
@@ -77,7 +76,6 @@ impl<'a> Centers<'a> {
             camera,
             options,
             film,
-            dark: vec![[0.0; 3]; pixels],
             lit: vec![[0.0; 3]; pixels],
             open: vec![1.0; pixels],
             see_through: vec![false; pixels],
@@ -114,8 +112,9 @@ impl<'a> Centers<'a> {
     /// The pixels' places in bands.
     fn bands(&mut self, first: usize, count: usize) -> impl Iterator<Item = Band<'_>> {
         let pixels = self.pixels_per_band();
-        let Film { depth, normal, part, face, uv, curvature, albedo, matte, .. } = &mut self.film;
+        let Film { color, depth, normal, part, face, uv, curvature, albedo, matte, .. } = &mut self.film;
         let mut rest = Band {
+            color,
             depth,
             normal,
             part,
@@ -124,7 +123,6 @@ impl<'a> Centers<'a> {
             curvature,
             albedo,
             matte,
-            dark: &mut self.dark,
             lit: &mut self.lit,
             open: &mut self.open,
             see_through: &mut self.see_through,
@@ -139,13 +137,14 @@ impl<'a> Centers<'a> {
 
     /// Points that the pixels show, from `origin`; 0 where nothing is.
     fn positions(&self, origin: glam::DVec3) -> Vec<[f32; 3]> {
+        let from_origin = self.camera.position - origin;
         let position = |pixel: usize| {
             if self.film.part[pixel] == 0 {
                 return [0.0; 3];
             }
-            let ray = center_ray(self.camera, self.options.resolution, self.film.window(), pixel);
-            let along = f64::from(self.film.depth[pixel]) / ray.direction.dot(self.camera.forward);
-            (ray.origin - origin + ray.direction * along).as_vec3().to_array()
+            let [x, y, aspect] = center_in_picture(self.options.resolution, self.film.window(), pixel);
+            let depth = f64::from(self.film.depth[pixel]);
+            (from_origin + self.camera.at_depth(x, y, aspect, depth)).as_vec3().to_array()
         };
         (0..self.film.part.len()).into_par_iter().map(position).collect()
     }
@@ -154,6 +153,10 @@ impl<'a> Centers<'a> {
     fn finish(mut self) -> Film {
         if self.options.layers.position {
             self.film.position = self.positions(glam::DVec3::ZERO);
+        }
+        if self.options.window.is_none() {
+            self.film.keep(self.options.layers);
+            return self.film;
         }
         let mut film = self.options.film();
         let [left, top] = [0, 1].map(|k| film.corner[k] - self.film.corner[k]);
@@ -164,6 +167,7 @@ impl<'a> Centers<'a> {
 
 /// Some pixels' places in the arrays of [`Centers`]; those of layers that it has not are empty.
 struct Band<'a> {
+    color: &'a mut [[f32; 4]],
     depth: &'a mut [f32],
     normal: &'a mut [[f32; 3]],
     part: &'a mut [u32],
@@ -172,7 +176,6 @@ struct Band<'a> {
     curvature: &'a mut [[f32; 2]],
     albedo: &'a mut [[f32; 3]],
     matte: &'a mut [[Share; RANKS]],
-    dark: &'a mut [[f32; 3]],
     lit: &'a mut [[f32; 3]],
     open: &'a mut [f32],
     see_through: &'a mut [bool],
@@ -182,6 +185,7 @@ impl Band<'_> {
     /// The first pixels, which are taken off.
     fn split_off(&mut self, pixels: usize) -> Self {
         Self {
+            color: split_off(&mut self.color, pixels),
             depth: split_off(&mut self.depth, pixels),
             normal: split_off(&mut self.normal, pixels),
             part: split_off(&mut self.part, pixels),
@@ -190,7 +194,6 @@ impl Band<'_> {
             curvature: split_off(&mut self.curvature, pixels),
             albedo: split_off(&mut self.albedo, pixels),
             matte: split_off(&mut self.matte, pixels),
-            dark: split_off(&mut self.dark, pixels),
             lit: split_off(&mut self.lit, pixels),
             open: split_off(&mut self.open, pixels),
             see_through: split_off(&mut self.see_through, pixels),
@@ -218,7 +221,8 @@ impl Band<'_> {
         if let Some(found) = self.matte.get_mut(pixel) {
             found[0] = Share { part: center.instance, coverage: 1.0 };
         }
-        self.dark[pixel] = center.dark;
+        let [r, g, b] = center.dark;
+        self.color[pixel] = [r, g, b, 1.0];
         self.lit[pixel] = center.lit;
         self.open[pixel] = center.open;
         self.see_through[pixel] = center.flags & SEE_THROUGH != 0;
@@ -262,9 +266,9 @@ pub fn paint<E>(
     if has_sky {
         let surface =
             Surface { width: centers.film.width, normal: &centers.film.normal, position: &positions };
-        centers.open = smooth(&surface, &centers.open);
+        centers.open = smooth(&surface, std::mem::take(&mut centers.open));
     }
-    color_centers(&mut centers);
+    add_sky(&mut centers);
     let pixels = centers.film.color.len();
     let mut is_asked = if is_uniform { vec![true; pixels] } else { marks(&centers, &positions) };
     let mut asked: Vec<usize> = (0..pixels).filter(|&pixel| is_asked[pixel]).collect();
@@ -298,15 +302,15 @@ pub fn paint<E>(
     Ok(centers.finish())
 }
 
-/// The colours as the centres have them.
-fn color_centers(centers: &mut Centers<'_>) {
-    let Centers { film, dark, lit, open, .. } = centers;
+/// Adds the light of the sky to the colours, as the centres have it.
+fn add_sky(centers: &mut Centers<'_>) {
+    let Centers { film, lit, open, .. } = centers;
     let part = &film.part;
     film.color.par_iter_mut().enumerate().filter(|&(pixel, _)| part[pixel] != 0).for_each(
         |(pixel, color)| {
-            let (dark, lit) = (dark[pixel], lit[pixel]);
-            let [r, g, b] = [0, 1, 2].map(|k| dark[k] + (lit[k] - dark[k]) * open[pixel]);
-            *color = [r, g, b, 1.0];
+            for k in 0..3 {
+                color[k] += (lit[pixel][k] - color[k]) * open[pixel];
+            }
         },
     );
 }
@@ -338,10 +342,10 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
     if centers.options.samples <= 1 {
         return centers.see_through.clone();
     }
-    let perceived: Vec<[f32; 3]> = centers.lit.par_iter().map(|&light| perceived(light)).collect();
-    let step = pixel_steps(centers.camera, centers.film.whole[1]);
-    let is_marked = |pixel: usize| {
-        let film = &centers.film;
+    let film = &centers.film;
+    let step = pixel_steps(centers.camera, film.whole[1]);
+    // Of three rows, what the eye makes of them: the pixel's own and those above and below.
+    let is_marked = |pixel: usize, perceived: &[Vec<[f32; 3]>; 3]| {
         let beside = neighbours(film, pixel);
         let shows_other = |other: usize| (film.part[other] == 0) != (film.part[pixel] == 0);
         if beside.iter().flatten().any(|&other| shows_other(other)) {
@@ -350,10 +354,9 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
         if film.part[pixel] == 0 {
             return false;
         }
-        let bends = |a: Option<usize>, b: Option<usize>| {
-            let light = |other: Option<usize>| perceived[other.unwrap_or(pixel)];
-            let (a, b) = (light(a), light(b));
-            (0..3).any(|k| (a[k] + b[k] - 2.0 * perceived[pixel][k]).abs() > MOST_BEND)
+        let x = pixel % film.width;
+        let bends = |a: [f32; 3], b: [f32; 3]| {
+            (0..3).any(|k| (a[k] + b[k] - 2.0 * perceived[1][x][k]).abs() > MOST_BEND)
         };
         let steps = |other: usize| {
             !positions.is_empty() && {
@@ -365,11 +368,23 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
             }
         };
         centers.see_through[pixel]
-            || bends(beside[0], beside[1])
-            || bends(beside[2], beside[3])
+            || bends(perceived[1][x.saturating_sub(1)], perceived[1][(x + 1).min(film.width - 1)])
+            || bends(perceived[0][x], perceived[2][x])
             || beside.into_iter().flatten().any(steps)
     };
-    (0..centers.film.part.len()).into_par_iter().map(is_marked).collect()
+    let mut is_asked = vec![false; film.part.len()];
+    is_asked.par_chunks_mut(film.width.max(1)).enumerate().for_each(|(y, row)| {
+        let rows = [y.saturating_sub(1), y, (y + 1).min(film.height - 1)];
+        let places = rows.map(|y| y * film.width..(y + 1) * film.width);
+        if places.iter().all(|row| film.part[row.clone()].iter().all(|&part| part == 0)) {
+            return;
+        }
+        let perceived = places.map(|row| centers.lit[row].iter().map(|&light| perceived(light)).collect());
+        for (x, is_asked) in row.iter_mut().enumerate() {
+            *is_asked = is_marked(y * film.width + x, &perceived);
+        }
+    });
+    is_asked
 }
 
 /// How wide pixels are.

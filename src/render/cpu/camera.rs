@@ -17,8 +17,14 @@ pub fn in_picture(resolution: [u32; 2], x: f64, y: f64) -> [f64; 3] {
 
 /// The ray through the centre of pixel `pixel` of a part of a picture, row by row.
 pub fn center_ray(camera: &Camera, resolution: [u32; 2], window: Window, pixel: usize) -> Ray {
+    let [x, y, aspect] = center_in_picture(resolution, window, pixel);
+    camera.ray(x, y, aspect)
+}
+
+/// Where that centre is, as [`in_picture`] has it.
+pub fn center_in_picture(resolution: [u32; 2], window: Window, pixel: usize) -> [f64; 3] {
     let (x, y) = (window.left + pixel % window.width, window.top + pixel / window.width);
-    pixel_ray(camera, resolution, x as f64 + 0.5, y as f64 + 0.5)
+    in_picture(resolution, x as f64 + 0.5, y as f64 + 0.5)
 }
 
 /// What tells pixels apart in [`hash`] and in sample sequences: x in the low half, y in the high one.

@@ -5,8 +5,11 @@
 //! where a tile leaves it. Only pixels of one surface are averaged: those that face the same way and lie in each other's tangent plane.
 //! (Heitz et al. 2018 and others filter so; the sizes are those of the sequence.)
 
-use super::vector::Vector3;
+use super::packet::LANES;
+use super::vector::{Vector3, vec3};
+use crate::numeric::{Eight, Number};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// Cosine of the angle between normals that belong together.
 const SAME_WAY: f32 = 0.9;
@@ -28,74 +31,112 @@ pub struct Surface<'a> {
     pub position: &'a [[f32; 3]],
 }
 
+/// Rows whose means one thread finds at a time.
+const ROWS_PER_BAND: usize = 16;
+
+/// Pixels that show nothing beside each row of a band: as many as any mean reaches over its ends, and a vector's.
+const BESIDE: usize = 8;
+
 /// The means of `open`; values at pixels that show nothing are of no account.
-pub fn smooth(surface: &Surface<'_>, open: &[f32]) -> Vec<f32> {
+pub fn smooth(surface: &Surface<'_>, open: Vec<f32>) -> Vec<f32> {
     let near: Vec<[isize; 2]> = (-2..2).flat_map(|dy| (-2..2).map(move |dx| [dx, dy])).collect();
     let far: Vec<[isize; 2]> = (-1..2).flat_map(|dy| (-1..2).map(move |dx| [4 * dx, 4 * dy])).collect();
-    let once = mean_over(surface, open, &near);
-    let twice = mean_over(surface, &once, &far);
-    mean_over(surface, &twice, &far)
-}
-
-fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]]) -> Vec<f32> {
-    let width = surface.width;
-    let height = open.len() / width.max(1);
-    let steps: Vec<isize> = offsets.iter().map(|&[dx, dy]| dy * width as isize + dx).collect();
-    let reach = offsets.iter().flatten().map(|offset| offset.unsigned_abs()).max().unwrap_or(0);
-    let is_inside = |place: usize, size: usize| place >= reach && place + reach < size;
-    let mean = |y: usize, x: usize| {
-        let at = y * width + x;
-        if surface.normal[at] == [0.0; 3] {
-            return open[at];
-        }
-        if is_inside(x, width) && is_inside(y, height) {
-            return mean_of(surface, open, at, steps.iter().map(|&step| at.wrapping_add_signed(step)));
-        }
-        let places = offsets.iter().filter_map(|&[dx, dy]| {
-            let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
-            (x < width && y < height).then_some(y * width + x)
-        });
-        mean_of(surface, open, at, places)
-    };
     let mut means = vec![0.0; open.len()];
-    means
-        .par_chunks_mut(width.max(1))
-        .enumerate()
-        .for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, value)| *value = mean(y, x)));
+    mean_over(surface, &open, &near, &mut means);
+    let mut open = open;
+    mean_over(surface, &means, &far, &mut open);
+    mean_over(surface, &open, &far, &mut means);
     means
 }
 
-/// The mean over those of some places that show the surface of pixel `at`, which is one of them.
+/// Writes the means of `open` over the places at `offsets` from each pixel, itself among them.
+fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]], means: &mut [f32]) {
+    let width = surface.width.max(1);
+    let reach = offsets.iter().flatten().map(|offset| offset.unsigned_abs()).max().unwrap_or(0);
+    let bands = means.par_chunks_mut(width * ROWS_PER_BAND).enumerate();
+    bands.for_each_init(Rows::default, |rows, (band, means)| {
+        rows.load(surface, open, band * ROWS_PER_BAND, means.len() / width, reach);
+        let steps = offsets.iter().map(|&[dx, dy]| dy * rows.stride as isize + dx);
+        let steps: SmallVec<[isize; 16]> = steps.collect();
+        for (y, row) in means.chunks_mut(width).enumerate() {
+            let first = (y + reach) * rows.stride + BESIDE;
+            for (x, means) in row.chunks_mut(LANES).enumerate() {
+                let at = first + x * LANES;
+                let mean = rows.means(at, steps.iter().map(|&step| at.wrapping_add_signed(step)));
+                means.copy_from_slice(&mean.to_array()[..means.len()]);
+            }
+        }
+    });
+}
+
+/// Some rows of pixels, coordinate by coordinate, so that eight pixels in a row are one vector. Around them, and beyond the picture, are pixels that belong to
+/// none: they have no normal.
+#[derive(Debug, Default)]
+struct Rows {
+    stride: usize,
+    normal: [Vec<f32>; 3],
+    position: [Vec<f32>; 3],
+    open: Vec<f32>,
+}
+
+impl Rows {
+    /// `count` rows from `first` on, and `reach` above and below.
+    fn load(&mut self, surface: &Surface<'_>, open: &[f32], first: usize, count: usize, reach: usize) {
+        let width = surface.width.max(1);
+        self.stride = width.next_multiple_of(LANES) + 2 * BESIDE;
+        let size = (count + 2 * reach) * self.stride;
+        for plane in self.normal.iter_mut().chain(&mut self.position).chain([&mut self.open]) {
+            plane.clear();
+            plane.resize(size, 0.0);
+        }
+        for row in 0..count + 2 * reach {
+            let Some(y) = (first + row).checked_sub(reach).filter(|y| (y + 1) * width <= open.len()) else {
+                continue;
+            };
+            let from = y * width..(y + 1) * width;
+            let to = row * self.stride + BESIDE;
+            self.open[to..to + width].copy_from_slice(&open[from.clone()]);
+            for (x, (n, p)) in surface.normal[from.clone()].iter().zip(&surface.position[from]).enumerate() {
+                for k in 0..3 {
+                    self.normal[k][to + x] = n[k];
+                    self.position[k][to + x] = p[k];
+                }
+            }
+        }
+    }
+
+    /// The means over some places each of eight pixels in a row, the first at `at`; `places` are those of the first.
+    #[inline(always)]
+    fn means(&self, at: usize, places: impl Iterator<Item = usize> + Clone) -> Eight {
+        let open = eight(&self.open, at);
+        // Where all see the same there is nothing to weigh.
+        if places.clone().all(|place| eight(&self.open, place).simd_eq(open).all()) {
+            return open;
+        }
+        let [n, p] = [&self.normal, &self.position].map(|planes| vector(planes, at));
+        let (mut sum, mut count) = (Eight::ZERO, Eight::ZERO);
+        for place in places {
+            let apart = vector(&self.position, place) - p;
+            let off = apart.dot(n);
+            let belongs = Eight::splat(SAME_WAY).is_less(n.dot(vector(&self.normal, place)))
+                & (off * off).is_at_most(apart.dot(apart) * Eight::splat(OFF_PLANE * OFF_PLANE));
+            sum += Number::choose(belongs, eight(&self.open, place), Eight::ZERO);
+            count += Number::choose(belongs, Eight::ONE, Eight::ZERO);
+        }
+        Number::choose(Eight::ZERO.is_less(count), sum / count, open)
+    }
+}
+
+/// Eight numbers in a row.
 #[inline(always)]
-fn mean_of(
-    surface: &Surface<'_>,
-    open: &[f32],
-    at: usize,
-    places: impl Iterator<Item = usize> + Clone,
-) -> f32 {
-    // Where all see the same there is nothing to weigh.
-    if places.clone().all(|place| open[place] == open[at]) {
-        return open[at];
-    }
-    let (mut sum, mut count) = (0.0, 0.0);
-    for place in places.filter(|&place| belongs(surface, at, place)) {
-        sum += open[place];
-        count += 1.0;
-    }
-    sum / count
+fn eight(numbers: &[f32], at: usize) -> Eight {
+    std::array::from_fn(|k| numbers[at..at + LANES][k]).into()
 }
 
-/// Whether two pixels show one surface.
-fn belongs(surface: &Surface<'_>, at: usize, place: usize) -> bool {
-    let [n, m, p, q] =
-        [surface.normal[at], surface.normal[place], surface.position[at], surface.position[place]]
-            .map(|[x, y, z]| Vector3 { x, y, z });
-    if at == place {
-        return true;
-    }
-    let apart = q - p;
-    let off = apart.dot(n);
-    n.dot(m) > SAME_WAY && off * off <= OFF_PLANE * OFF_PLANE * apart.dot(apart)
+/// Eight vectors in a row.
+#[inline(always)]
+fn vector(planes: &[Vec<f32>; 3], at: usize) -> Vector3<Eight> {
+    vec3(eight(&planes[0], at), eight(&planes[1], at), eight(&planes[2], at))
 }
 
 #[cfg(test)]
@@ -113,7 +154,7 @@ mod tests {
         let position: Vec<_> = pixels.iter().map(|&(x, y)| [x as f32, y as f32, 0.0]).collect();
         let open: Vec<f32> =
             pixels.iter().map(|&(x, y)| if is_wall(x) { 0.0 } else { ((x + y) % 2) as f32 }).collect();
-        let smoothed = smooth(&Surface { width, normal: &normal, position: &position }, &open);
+        let smoothed = smooth(&Surface { width, normal: &normal, position: &position }, open);
         for (&(x, y), &value) in pixels.iter().zip(&smoothed) {
             if is_wall(x) {
                 assert_eq!(value, 0.0, "{x} {y}");
