@@ -89,7 +89,12 @@ impl Camera {
     /// From [`Self::position`] to the point of such a ray at a depth, which is a distance along the view direction.
     pub fn at_depth(&self, x: f64, y: f64, aspect: f64, depth: f64) -> DVec3 {
         let across = self.across(x, y, aspect);
-        self.forward * depth + if self.orthographic { across } else { across * depth }
+        if self.orthographic {
+            across + self.forward * depth
+        } else {
+            let towards = self.forward + across;
+            towards * (depth / towards.dot(self.forward))
+        }
     }
 
     /// From the middle of the picture to a place in it, as in [`Self::ray`], at distance 1.

@@ -481,4 +481,26 @@ mod tests {
             }
         }
     }
+
+    /// Of both kinds of camera, and where a picture is not square to the view.
+    #[test]
+    fn points_at_a_depth_lie_on_the_rays() {
+        for orthographic in [false, true] {
+            let camera = Camera {
+                position: glam::DVec3::new(1.0, -2.0, 30.0),
+                forward: glam::DVec3::NEG_Z,
+                right: glam::DVec3::new(0.8, 0.0, 0.6),
+                up: glam::DVec3::Y,
+                half_height: 0.5,
+                orthographic,
+            };
+            for (x, y) in [(0.0, 0.0), (-0.7, 0.9), (1.0, -1.0)] {
+                let ray = camera.ray(x, y, 1.5);
+                let along = 12.5 / ray.direction.dot(camera.forward);
+                let expected = ray.origin + ray.direction * along;
+                let found = camera.position + camera.at_depth(x, y, 1.5, 12.5);
+                assert!(found.distance(expected) < 1e-12, "{orthographic} {found} {expected}");
+            }
+        }
+    }
 }

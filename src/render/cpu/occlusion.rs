@@ -163,4 +163,49 @@ mod tests {
             }
         }
     }
+
+    /// Bumps and steps over some pixels, some of which show nothing; the picture is no multiple of a vector wide, nor of a band high.
+    #[test]
+    fn means_are_those_pixel_by_pixel() {
+        let (width, height) = (45, 39);
+        let mut number = 1_u32;
+        let mut next = || {
+            number = number.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (number >> 8) as f32 / (1 << 24) as f32
+        };
+        let (mut normal, mut position, mut open) = (Vec::new(), Vec::new(), Vec::new());
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let tilt = 0.4 * (next() - 0.5);
+            let is_there = next() > 0.1;
+            normal.push(if is_there { [tilt, 0.0, (1.0 - tilt * tilt).sqrt()] } else { [0.0; 3] });
+            position.push(if is_there { [x as f32, y as f32, (x / 11) as f32 + next()] } else { [0.0; 3] });
+            open.push(next());
+        }
+        let surface = Surface { width, normal: &normal, position: &position };
+        let offsets = [[0, 0], [-4, 0], [3, -4], [4, 4], [0, 1]];
+        let mut means = vec![0.0; open.len()];
+        mean_over(&surface, &open, &offsets, &mut means);
+        let at = |[x, y, z]: [f32; 3]| vec3(x, y, z);
+        let mut weighed = 0;
+        for pixel in (0..open.len()).filter(|&pixel| normal[pixel] != [0.0; 3]) {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for [dx, dy] in offsets {
+                let (x, y) = ((pixel % width) as isize + dx, (pixel / width) as isize + dy);
+                if !(0..width as isize).contains(&x) || !(0..height as isize).contains(&y) {
+                    continue;
+                }
+                let other = y as usize * width + x as usize;
+                let (n, m) = (at(normal[pixel]), at(normal[other]));
+                let apart = at(position[other]) - at(position[pixel]);
+                let off = apart.dot(n);
+                if n.dot(m) > SAME_WAY && off * off <= OFF_PLANE * OFF_PLANE * apart.dot(apart) {
+                    sum += open[other];
+                    count += 1.0;
+                }
+            }
+            weighed += usize::from(count > 1.0);
+            assert_eq!(means[pixel], sum / count, "{pixel}");
+        }
+        assert!(weighed > 500, "{weighed}");
+    }
 }
