@@ -1,9 +1,10 @@
 //! What each exactness finds of a ray that grazes a leaf.
 
-use super::test_scenes::{TestFace, TestNet, scene_of};
-use super::{Precision, probe_with};
+use super::test_scenes::{Random, TestFace, TestNet, scene_of};
+use super::{Precision, Step, count_steps, probe_with};
 use crate::render::{Exactness, Hit, Ray};
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 
 /// A barrel vault `z = u (1 − u)` over the unit square, in one leaf.
 fn vault() -> TestNet {
@@ -62,4 +63,25 @@ fn steep_rays_are_the_same_in_all_modes() {
         assert_eq!(exact.len(), 1, "{place}");
         assert_eq!([&fast[0].t, &balanced[0].t], [&exact[0].t; 2], "{place}");
     }
+}
+
+/// Where a face may be met as far beyond its ends as it is wide, all of its cells are open: they are not quartered to the last.
+#[test]
+fn what_is_smaller_than_its_slack_takes_few_cells() {
+    let mut scene = scene_of(&[TestFace::nets(vault())], &[DAffine3::IDENTITY]);
+    scene.faces[0].slack = 1.2;
+    let mut random = Random(7);
+    let rays: Vec<Ray> = (0..200)
+        .map(|_| {
+            let target = DVec3::new(random.unit(), random.unit(), 0.25 * random.unit());
+            let direction = random.direction();
+            Ray { origin: target - direction * 4.0, direction }
+        })
+        .collect();
+    let counts = count_steps(&scene.scene(), rays.into_par_iter(), Exactness::Exact, false);
+    let [leaves, cells] = [Step::DividedLeaf, Step::Cell].map(|step| counts.of(step));
+    eprintln!("{leaves} leaves, {cells} cells");
+    assert!(leaves > 50 && cells > leaves, "{leaves} {cells}");
+    // Sides of a quarter of the leaf's are below a quarter of the slack.
+    assert!(cells <= leaves * (1 + 4 + 16), "{leaves} {cells}");
 }
