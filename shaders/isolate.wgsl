@@ -165,7 +165,8 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let is_regular = turning < 0.9 * abs(determinant)
         && turning * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
     let start = middle - select(vec2<f32>(0.0), step / determinant * (at.domain.size * reach), is_regular);
-    let is_within_slack = 2.0 * max(length(a) * reach.x, length(b) * reach.y) < beyond * WITHIN_SLACK;
+    let tangents = vec2<f32>(length(a), length(b)) + leaf_bend(at.leaf) * 0.5;
+    let is_within_slack = 2.0 * max(tangents.x * reach.x, tangents.y * reach.y) < beyond * WITHIN_SLACK;
     let may_split = !misses && !is_regular && !is_within_slack
         && count_along(cell.level, 1u - at.pole.axis) < MAX_ISOLATION_LEVEL;
     // By quarter: low and low, high and low, low and high, high and high.

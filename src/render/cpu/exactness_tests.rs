@@ -82,6 +82,6 @@ fn what_is_smaller_than_its_slack_takes_few_cells() {
     let [leaves, cells] = [Step::DividedLeaf, Step::Cell].map(|step| counts.of(step));
     eprintln!("{leaves} leaves, {cells} cells");
     assert!(leaves > 50 && cells > leaves, "{leaves} {cells}");
-    // Sides of a quarter of the leaf's are below a quarter of the slack.
-    assert!(cells <= leaves * (1 + 4 + 16), "{leaves} {cells}");
+    // An eighth of the leaf's sides, of 1 and half the bend of 2, is below a quarter of the slack. Of some leaves a few cells inside are smaller.
+    assert!(cells <= leaves * (1 + 4 + 16 + 64), "{leaves} {cells}");
 }

@@ -12,6 +12,8 @@
 //! Of a cell that is quartered only those quarters are looked at that these inequalities, with the cell's own planes and remainder and the quarter's
 //! sides, leave open.
 //!
+//! At the net's end roots may lie beyond a cell by the face's slack, which leaves cells open that are smaller than that: they are not quartered either.
+//!
 //! A leaf has one bound M of the second derivatives by its own parameters, so that `B = M r²` in a square cell of half side r.
 //!
 //! **Poles.** Where a side of the net is one point P, every cell at that side holds P, and quarters of them would be looked at by the hundred. There
@@ -35,7 +37,8 @@ pub const MAX_ISOLATION_CELLS: u32 = 4096;
 /// Half the side of a quarter in half sides of its cell, and a sixty-fourth more: quarters overlap by more than what they are looked at beyond their sides.
 const QUARTER: f64 = 0.5 + 1.0 / 64.0;
 
-/// Of cells at the net's end that are smaller than this share of the slack the slack leaves all open, however often they are quartered.
+/// Cells at the net's end that are smaller than this share of the slack are not quartered: their parts at the end would all be left open by it, and a search from
+/// the middle finds what lies within half of it.
 const WITHIN_SLACK: f64 = 0.25;
 
 /// Halvings towards a pole: the slack is at least 2⁻²¹ of the net.
@@ -196,11 +199,12 @@ pub fn leaf_bounds<T: Real>(at: &LeafRay<'_, T>) -> LeafBounds<T> {
     }
 }
 
-/// Whether a cell at the net's end, of half sides `reach`, is smaller than [`WITHIN_SLACK`] of what roots may lie `beyond` it.
+/// Whether a cell at the net's end, of half sides `reach`, is smaller than [`WITHIN_SLACK`] of what roots may lie `beyond` it. A tangent is nowhere farther from
+/// the leaf's mean than half the bound `bend` of second derivatives.
 #[inline]
-fn is_within_slack<T: Real>(at: &LeafRay<'_, T>, reach: [T; 2], beyond: T) -> bool {
+fn is_within_slack<T: Real>(at: &LeafRay<'_, T>, bend: T, reach: [T; 2], beyond: T) -> bool {
     let longest = [at.leaf.tangent_u, at.leaf.tangent_v]
-        .map(|tangent| Vector3::<T>::from_f32(tangent).length())
+        .map(|tangent| Vector3::<T>::from_f32(tangent).length() + bend * number(0.5))
         .into_iter()
         .zip(reach)
         .fold(T::ZERO, |longest, (tangent, reach)| longest.max(tangent * (reach + reach)));
@@ -254,7 +258,8 @@ pub fn examine<T: Real>(
         let is_large = cell.level[0].max(cell.level[1]) <= 2;
         let kind = if is_large { SearchKind::Unique } else { SearchKind::Regular };
         Verdict::Search { start, kind, across: T::ONE }
-    } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL && !is_within_slack(at, reach, beyond) {
+    } else if cell.level[1 - at.pole.axis] < MAX_ISOLATION_LEVEL && !is_within_slack(at, bend, reach, beyond)
+    {
         let is_empty = |quarter: u32| {
             let side = [0, 1].map(|k| if quarter >> k & 1 == 1 { T::ONE } else { -T::ONE });
             (0..2).any(|k| {

@@ -7,7 +7,7 @@
 
 use super::packet::LANES;
 use super::vector::{Vector3, vec3};
-use crate::numeric::{Eight, Number};
+use crate::numeric::{Eight, Mask, Mask8, Number};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
@@ -34,7 +34,7 @@ pub struct Surface<'a> {
 /// Rows whose means one thread finds at a time.
 const ROWS_PER_BAND: usize = 16;
 
-/// Pixels that show nothing beside each row of a band: as many as any mean reaches over its ends, and a vector's.
+/// Pixels that show nothing beside each row of a band, on both sides: at least as many as a mean reaches beyond its ends.
 const BESIDE: usize = 8;
 
 /// The means of `open`; values at pixels that show nothing are of no account.
@@ -105,12 +105,15 @@ impl Rows {
         }
     }
 
-    /// The means over some places each of eight pixels in a row, the first at `at`; `places` are those of the first.
+    /// The means over some places each of eight pixels in a row, the first at `at`; `places` are those of the first. That of a pixel does not depend on the
+    /// others.
     #[inline(always)]
     fn means(&self, at: usize, places: impl Iterator<Item = usize> + Clone) -> Eight {
         let open = eight(&self.open, at);
         // Where all see the same there is nothing to weigh.
-        if places.clone().all(|place| eight(&self.open, place).simd_eq(open).all()) {
+        let differs = |any: Mask8, place| any | !is_same(eight(&self.open, place), open);
+        let any_differs = places.clone().fold(Mask8::everywhere(false), differs);
+        if !any_differs.any() {
             return open;
         }
         let [n, p] = [&self.normal, &self.position].map(|planes| vector(planes, at));
@@ -123,8 +126,14 @@ impl Rows {
             sum += Number::choose(belongs, eight(&self.open, place), Eight::ZERO);
             count += Number::choose(belongs, Eight::ONE, Eight::ZERO);
         }
-        Number::choose(Eight::ZERO.is_less(count), sum / count, open)
+        Number::choose(any_differs & Eight::ZERO.is_less(count), sum / count, open)
     }
+}
+
+/// Which of the pairs are equal.
+#[inline(always)]
+fn is_same(a: Eight, b: Eight) -> Mask8 {
+    a.is_at_most(b) & b.is_at_most(a)
 }
 
 /// Eight numbers in a row.
