@@ -154,14 +154,13 @@ impl<'a> Centers<'a> {
         if self.options.layers.position {
             self.film.position = self.positions(glam::DVec3::ZERO);
         }
-        if self.options.window.is_none() {
-            self.film.keep(self.options.layers);
-            return self.film;
+        match self.options.window {
+            Some(window) => self.film.part(window, self.options.layers),
+            None => {
+                self.film.keep(self.options.layers);
+                self.film
+            }
         }
-        let mut film = self.options.film();
-        let [left, top] = [0, 1].map(|k| film.corner[k] - self.film.corner[k]);
-        film.cut_from(&self.film, left, top);
-        film
     }
 }
 

@@ -203,12 +203,11 @@ pub fn leaf_bounds<T: Real>(at: &LeafRay<'_, T>) -> LeafBounds<T> {
 /// the leaf's mean than half the bound `bend` of second derivatives.
 #[inline]
 fn is_within_slack<T: Real>(at: &LeafRay<'_, T>, bend: T, reach: [T; 2], beyond: T) -> bool {
-    let longest = [at.leaf.tangent_u, at.leaf.tangent_v]
-        .map(|tangent| Vector3::<T>::from_f32(tangent).length() + bend * number(0.5))
-        .into_iter()
-        .zip(reach)
-        .fold(T::ZERO, |longest, (tangent, reach)| longest.max(tangent * (reach + reach)));
-    longest < beyond * number(WITHIN_SLACK)
+    let side = |tangent: [f32; 3], reach: T| {
+        let longest = Vector3::<T>::from_f32(tangent).length() + bend * number(0.5);
+        longest * (reach + reach)
+    };
+    side(at.leaf.tangent_u, reach[0]).max(side(at.leaf.tangent_v, reach[1])) < beyond * number(WITHIN_SLACK)
 }
 
 /// Looks at a cell, at whose middle the net has the value and the derivatives of `jet`.

@@ -38,12 +38,11 @@ const ROWS_PER_BAND: usize = 16;
 const BESIDE: usize = 8;
 
 /// The means of `open`; values at pixels that show nothing are of no account.
-pub fn smooth(surface: &Surface<'_>, open: Vec<f32>) -> Vec<f32> {
+pub fn smooth(surface: &Surface<'_>, mut open: Vec<f32>) -> Vec<f32> {
     let near: Vec<[isize; 2]> = (-2..2).flat_map(|dy| (-2..2).map(move |dx| [dx, dy])).collect();
     let far: Vec<[isize; 2]> = (-1..2).flat_map(|dy| (-1..2).map(move |dx| [4 * dx, 4 * dy])).collect();
     let mut means = vec![0.0; open.len()];
     mean_over(surface, &open, &near, &mut means);
-    let mut open = open;
     mean_over(surface, &means, &far, &mut open);
     mean_over(surface, &open, &far, &mut means);
     means
@@ -150,6 +149,7 @@ fn vector(planes: &[Vec<f32>; 3], at: usize) -> Vector3<Eight> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_scenes::Random;
     use super::*;
 
     /// A floor and a wall that meet in the middle column; the floor sees 0 or 1 by turns, the wall nothing.
@@ -177,11 +177,8 @@ mod tests {
     #[test]
     fn means_are_those_pixel_by_pixel() {
         let (width, height) = (45, 39);
-        let mut number = 1_u32;
-        let mut next = || {
-            number = number.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (number >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut random = Random(1);
+        let mut next = || random.unit() as f32;
         let (mut normal, mut position, mut open) = (Vec::new(), Vec::new(), Vec::new());
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let tilt = 0.4 * (next() - 0.5);
