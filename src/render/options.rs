@@ -86,6 +86,7 @@ pub struct RenderOptions {
 
 impl RenderOptions {
     /// The film to fill, empty.
+    #[cfg(feature = "gpu")]
     pub(super) fn film(&self) -> Film {
         let whole = self.resolution.map(|n| n as usize);
         Film::of_window(self.window.unwrap_or(Window::whole(whole[0], whole[1])), whole, self.layers)
