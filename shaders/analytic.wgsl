@@ -17,6 +17,14 @@ fn next_root(roots: ptr<function, Roots>) -> f32 {
     return t;
 }
 
+// A ray in the frame of a face that is no net.
+struct CarrierRay {
+    kind: u32,
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    radii: vec2<f32>,
+}
+
 // S_u and S_v.
 struct Tangents {
     u: vec3<f32>,
@@ -32,21 +40,21 @@ fn insert(roots: ptr<function, Roots>, t: f32) {
     (*roots).count += 1u;
 }
 
-fn carrier_roots(kind: u32, origin: vec3<f32>, direction: vec3<f32>, radii: vec2<f32>) -> Roots {
-    if HAS_PLANE && kind == PLANE {
-        return plane_roots(origin, direction);
+fn carrier_roots(ray: CarrierRay) -> Roots {
+    let radii = ray.radii;
+    if HAS_PLANE && ray.kind == PLANE {
+        return plane_roots(ray.origin, ray.direction);
     }
-    if HAS_CYLINDER && kind == CYLINDER {
-        return cylinder_roots(origin, direction, radii.x);
+    // Both in one, so that the function stands once.
+    if (HAS_CYLINDER && ray.kind == CYLINDER) || (HAS_SPHERE && ray.kind == SPHERE) {
+        let is_kept = vec3<f32>(1.0, 1.0, select(1.0, 0.0, ray.kind == CYLINDER));
+        return closest_then_chord(ray.origin * is_kept, ray.direction * is_kept, radii.x);
     }
-    if HAS_CONE && kind == CONE {
-        return cone_roots(origin, direction, radii.x, radii.y);
-    }
-    if HAS_SPHERE && kind == SPHERE {
-        return sphere_roots(origin, direction, radii.x);
+    if HAS_CONE && ray.kind == CONE {
+        return cone_roots(ray.origin, ray.direction, radii.x, radii.y);
     }
     if HAS_TORUS {
-        return torus_roots(origin, direction, radii.x, radii.y);
+        return torus_roots(ray.origin, ray.direction, radii.x, radii.y);
     }
     return no_roots();
 }
@@ -55,14 +63,6 @@ fn plane_roots(o: vec3<f32>, d: vec3<f32>) -> Roots {
     var roots = no_roots();
     insert(&roots, -o.z / d.z);
     return roots;
-}
-
-fn cylinder_roots(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
-    return closest_then_chord(vec3<f32>(o.xy, 0.0), vec3<f32>(d.xy, 0.0), radius);
-}
-
-fn sphere_roots(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
-    return closest_then_chord(o, d, radius);
 }
 
 fn closest_then_chord(o: vec3<f32>, d: vec3<f32>, radius: f32) -> Roots {
@@ -124,24 +124,25 @@ fn polish_cone(o: vec3<f32>, d: vec3<f32>, radius: f32, slope: f32, start: f32) 
     return t;
 }
 
+// Angles are taken of one point for all kinds, so that the arctangent stands twice, not six times.
 fn carrier_parameters(kind: u32, p: vec3<f32>, radii: vec2<f32>) -> vec2<f32> {
     if kind == PLANE {
         return p.xy;
     }
-    if kind == CYLINDER {
-        return vec2<f32>(real_atan2(p.y, p.x), p.z);
+    var around = p.xy;
+    var up = vec2<f32>(length(p.xy), p.z);
+    if HAS_CONE && kind == CONE {
+        around = select(p.xy, -p.xy, radii.x + radii.y * p.z < 0.0);
+    } else if HAS_TORUS && kind == TORUS {
+        let tube = tube_place(p, up.x, radii);
+        around = select(p.xy, -p.xy, tube.x < 0.0);
+        up.x = tube.y;
     }
-    if kind == CONE {
-        let side = select(1.0, -1.0, radii.x + radii.y * p.z < 0.0);
-        return vec2<f32>(real_atan2(p.y * side, p.x * side), p.z);
+    let u = real_atan2(around.y, around.x);
+    if (HAS_SPHERE && kind == SPHERE) || (HAS_TORUS && kind == TORUS) {
+        return vec2<f32>(u, real_atan2(up.y, up.x));
     }
-    let across = length(p.xy);
-    if kind == SPHERE {
-        return vec2<f32>(real_atan2(p.y, p.x), real_atan2(p.z, across));
-    }
-    let tube = tube_place(p, across, radii);
-    let side = select(1.0, -1.0, tube.x < 0.0);
-    return vec2<f32>(real_atan2(p.y * side, p.x * side), real_atan2(p.z, tube.y));
+    return vec2<f32>(u, p.z);
 }
 
 fn carrier_normal(kind: u32, uv: vec2<f32>, radii: vec2<f32>) -> vec3<f32> {

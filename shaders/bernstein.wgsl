@@ -95,7 +95,7 @@ fn cubic_jet(first: u32, degrees: vec2<u32>, about: vec3<f32>, uv: vec2<f32>) ->
 
 fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     let degrees = net_degrees(net);
-    if all(degrees <= vec2<u32>(3u)) {
+    if CHUNKS == 1u || all(degrees <= vec2<u32>(3u)) {
         return cubic_jet(nets[net].first_point, degrees, about, uv);
     }
     var basis = basis_and_slopes(degrees, uv);

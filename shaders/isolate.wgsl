@@ -133,17 +133,15 @@ fn bend_area(cell: Cell, at: LeafRay, reach: vec2<f32>) -> f32 {
 }
 
 fn bend_at_pole(at: LeafRay, across: f32) -> f32 {
-    return min(1.0, f32(count_along(net_degrees(net_leaves[at.leaf].net), at.pole.axis)) * across);
+    return min(1.0, f32(count_along(net_degrees(at.net), at.pole.axis)) * across);
 }
 
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
-    let a = net_leaves[at.leaf].tangent_u;
-    let b = net_leaves[at.leaf].tangent_v;
-    let size = greatest(net_leaves[at.leaf].center) + greatest(at.ray.origin) + greatest(a) + greatest(b);
+    let size = at.center_size + greatest(at.ray.origin) + at.tangent_size;
     let rounding = size * 32.0 * EPSILON;
     let reach = cell_radius(cell) * (1.0 + 1.0 / 64.0);
     let p = plane_jet(at.planes, jet, at.domain.size * reach);
-    let curving = leaf_bend(at.leaf) * bend_area(cell, at, reach);
+    let curving = at.bend * bend_area(cell, at, reach);
     let beyond = select(0.0, at.slack, is_at_end(cell, at.domain));
     let remainder = curving * 0.5 + rounding + beyond;
     let determinant = p.f_s.x * p.f_t.y - p.f_s.y * p.f_t.x;
@@ -157,7 +155,7 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let middle = cell_center(cell, at.domain);
     if is_at_pole(cell, at.pole) {
         let across = 2.0 * along_axis(reach, at.pole.axis);
-        let image = select(length(a), length(b), at.pole.axis == 1u) * across;
+        let image = along_axis(at.lengths, at.pole.axis) * across;
         let is_small = image <= (at.slack + rounding) * 8.0 || count_along(cell.level, at.pole.axis) == MAX_POLE_LEVEL;
         return Verdict(middle, OPEN, across, !misses && is_small, !misses && !is_small, 0u);
     }
@@ -165,7 +163,7 @@ fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {
     let is_regular = turning < 0.9 * abs(determinant)
         && turning * (max(abs(step.x), abs(step.y)) / abs(determinant)) < 0.45 * abs(determinant);
     let start = middle - select(vec2<f32>(0.0), step / determinant * (at.domain.size * reach), is_regular);
-    let tangents = vec2<f32>(length(a), length(b)) + leaf_bend(at.leaf) * 0.5;
+    let tangents = at.lengths + at.bend * 0.5;
     let is_within_slack = 2.0 * max(tangents.x * reach.x, tangents.y * reach.y) < beyond * WITHIN_SLACK;
     let may_split = !misses && !is_regular && !is_within_slack
         && count_along(cell.level, 1u - at.pole.axis) < MAX_ISOLATION_LEVEL;

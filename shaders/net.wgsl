@@ -24,6 +24,9 @@ struct NetRoots {
     is_cut: bool,
 }
 
+// What `leaf_roots` found last. Here, as functions that return it would clear and copy it each time.
+var<private> net_roots: NetRoots;
+
 struct Domain {
     low: vec2<f32>,
     size: vec2<f32>,
@@ -36,6 +39,15 @@ struct LeafRay {
     planes: RayPlanes,
     slack: f32,
     pole: Pole,
+    net: u32,
+    // Of the tangents.
+    lengths: vec2<f32>,
+    // leaf_bend, and whether it is known.
+    bend: f32,
+    has_bend: bool,
+    // The greatest coordinates of centre and tangents.
+    center_size: f32,
+    tangent_size: f32,
 }
 
 // Newton's iteration, `steps` along.
@@ -65,17 +77,33 @@ fn leaf_domain(leaf: u32) -> Domain {
 
 // The twin's loops over cells, starts and steps are one loop here, so that `net_jet` stands once: drivers copy a function's whole text to
 // each of its calls, and invocations that look at cells and others that take steps evaluate together.
-fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
-    var roots = NetRoots();
+fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) {
+    net_roots.count = 0u;
+    net_roots.is_cut = false;
     let hit = intersect_slab(leaf, ray, near, far);
     if !hit.meets {
-        return roots;
+        return;
     }
     let domain = leaf_domain(leaf);
     let net = net_leaves[leaf].net;
     let pole = leaf_pole(net, domain);
-    let at = LeafRay(leaf, domain, ray, ray_planes(ray), faces[nets[net].face].slack, pole);
-    let isolating = EXACTNESS == EXACT && !hit.unique && has_bend_bound(leaf);
+    let a = net_leaves[leaf].tangent_u;
+    let b = net_leaves[leaf].tangent_v;
+    let at = LeafRay(
+        leaf,
+        domain,
+        ray,
+        ray_planes(ray),
+        faces[nets[net].face].slack,
+        pole,
+        net,
+        vec2<f32>(length(a), length(b)),
+        leaf_bend(leaf),
+        has_bend_bound(leaf),
+        greatest(net_leaves[leaf].center),
+        greatest(a) + greatest(b),
+    );
+    let isolating = EXACTNESS == EXACT && !hit.unique && at.has_bend;
     let kind = select(OPEN, UNIQUE, hit.unique);
     var cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
     let starts = fixed_starts(hit);
@@ -86,8 +114,8 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
     loop {
         if is_new {
             if starts_left == 0u {
-                roots.is_cut = isolating;
-                return roots;
+                net_roots.is_cut = isolating;
+                return;
             }
             starts_left -= 1u;
             if isolating {
@@ -106,14 +134,14 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) -> NetRoots {
             }
             search = search_from(verdict.start, verdict.kind, verdict.across, verdict.wanted);
         } else {
-            advance(jet, at, &search, &roots);
+            advance(jet, at, &search);
         }
         is_new = !search.goes_on;
         if isolating && is_new && !next_cell(&cell, pole) {
-            return roots;
+            return;
         }
     }
-    return roots;
+    return;
 }
 
 // The first start, and the one after the last.
@@ -156,59 +184,60 @@ fn slab_start(hit: SlabHit, t: f32, domain: Domain) -> vec2<f32> {
 }
 
 // One turn of the twin's `search`: a step, and after the last one the root's test, of open searches in a turn of its own.
-fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>, roots: ptr<function, NetRoots>) {
+fn advance(jet: NetJet, at: LeafRay, search: ptr<function, Search>) {
     let unique = (*search).kind == UNIQUE;
     let is_open = (*search).kind == OPEN;
     let limit = select(TANGENT_STEPS, MAX_UNIQUE_STEPS, unique);
-    if (*search).converged || (*search).steps == limit {
+    var moved = vec2<f32>(0.0);
+    var ends = (*search).converged || (*search).steps == limit;
+    if ends {
         (*search).goes_on = false;
-        if is_within((*search).uv, at.domain, 0.5) {
-            add_search(jet, at, *search, vec2<f32>(0.0), roots);
-        }
-        return;
-    }
-    let across = (*search).across;
-    let unit = at.domain.size * select(vec2<f32>(across, 1.0), vec2<f32>(1.0, across), at.pole.axis == 1u);
-    let here = plane_jet(at.planes, jet, unit);
-    if (*search).steps == 0u || !is_open || dot(here.f, here.f) <= dot((*search).low.f, (*search).low.f) {
-        (*search).base = (*search).uv;
-        (*search).low = here;
-        (*search).share *= 1.0 / DAMPING_FACTOR;
     } else {
-        (*search).share *= DAMPING_FACTOR;
-    }
-    let bend_here = leaf_bend(at.leaf) * select(1.0, bend_at_pole(at, across), across < 1.0);
-    let damping = select(0.0, bend_here, is_open && has_bend_bound(at.leaf));
-    let step = damped_step((*search).low, damping * (*search).share);
-    let is_singular = !(is_finite(step.x) && is_finite(step.y));
-    (*search).steps = select((*search).steps + 1u, limit, is_singular);
-    if !is_singular {
-        let longest = max(abs(step.x), abs(step.y));
-        let shorten = select(1.0, 1.0 / longest, longest > 1.0);
-        (*search).uv = (*search).base - step * (shorten * unit);
-        (*search).converged = longest <= select(SQRT_EPSILON / 64.0, SQRT_EPSILON, unique);
-        (*search).goes_on = is_within((*search).uv, at.domain, 1.0);
-    }
-    if is_open && (*search).goes_on && !(*search).converged && (*search).steps == limit {
-        (*search).uv = (*search).base;
-    }
-    if !is_open && (*search).goes_on && (*search).converged {
-        (*search).goes_on = false;
-        if is_within((*search).uv, at.domain, 0.5) {
-            add_search(jet, at, *search, (*search).uv - (*search).base, roots);
+        let across = (*search).across;
+        let unit = at.domain.size * select(vec2<f32>(across, 1.0), vec2<f32>(1.0, across), at.pole.axis == 1u);
+        let here = plane_jet(at.planes, jet, unit);
+        if (*search).steps == 0u || !is_open || dot(here.f, here.f) <= dot((*search).low.f, (*search).low.f) {
+            (*search).base = (*search).uv;
+            (*search).low = here;
+            (*search).share *= 1.0 / DAMPING_FACTOR;
+        } else {
+            (*search).share *= DAMPING_FACTOR;
         }
+        let bend_here = at.bend * select(1.0, bend_at_pole(at, across), across < 1.0);
+        let damping = select(0.0, bend_here, is_open && at.has_bend);
+        let step = damped_step((*search).low, damping * (*search).share);
+        let is_singular = !(is_finite(step.x) && is_finite(step.y));
+        (*search).steps = select((*search).steps + 1u, limit, is_singular);
+        if !is_singular {
+            let longest = max(abs(step.x), abs(step.y));
+            let shorten = select(1.0, 1.0 / longest, longest > 1.0);
+            (*search).uv = (*search).base - step * (shorten * unit);
+            (*search).converged = longest <= select(SQRT_EPSILON / 64.0, SQRT_EPSILON, unique);
+            (*search).goes_on = is_within((*search).uv, at.domain, 1.0);
+        }
+        if is_open && (*search).goes_on && !(*search).converged && (*search).steps == limit {
+            (*search).uv = (*search).base;
+        }
+        if !is_open && (*search).goes_on && (*search).converged {
+            (*search).goes_on = false;
+            moved = (*search).uv - (*search).base;
+            ends = true;
+        }
+    }
+    if ends && is_within((*search).uv, at.domain, 0.5) {
+        add_search(jet, at, *search, moved);
     }
 }
 
 // What the twin's `search` does with where it ends.
-fn add_search(jet: NetJet, at: LeafRay, search: Search, moved: vec2<f32>, roots: ptr<function, NetRoots>) {
+fn add_search(jet: NetJet, at: LeafRay, search: Search, moved: vec2<f32>) {
     let uv = search.uv;
     let scale = 1.0 / jet.value.w;
     let point = jet.value.xyz * scale;
     let s_u = (jet.by_u.xyz - point * jet.by_u.w) * scale;
     let s_v = (jet.by_v.xyz - point * jet.by_v.w) * scale;
     let from_origin = point + s_u * moved.x + s_v * moved.y;
-    let curvature = root_curvature(s_u * at.domain.size.x, s_v * at.domain.size.y, leaf_bend(at.leaf));
+    let curvature = root_curvature(s_u * at.domain.size.x, s_v * at.domain.size.y, at.bend);
     var print = footprint(at.ray.direction, s_u, s_v, curvature, at.slack);
     let is_v = at.pole.axis == 1u;
     if at.pole.exists && select(length(s_v), length(s_u), is_v) <= at.slack * 4.0 {
@@ -222,13 +251,12 @@ fn add_search(jet: NetJet, at: LeafRay, search: Search, moved: vec2<f32>, roots:
     let is_own = all(uv >= -on_net) && all(uv <= 1.0 + on_net) && all(beyond >= -on_leaf) && all(beyond - at.domain.size <= on_leaf);
     let t = dot(from_origin, at.ray.direction) / dot(at.ray.direction, at.ray.direction);
     let miss = greatest(from_origin - at.ray.direction * t);
-    let size = greatest(net_leaves[at.leaf].tangent_u) + greatest(net_leaves[at.leaf].tangent_v);
-    let rounding = (size + greatest(from_origin + at.ray.origin)) * EPSILON;
+    let rounding = (at.tangent_size + greatest(from_origin + at.ray.origin)) * EPSILON;
     let is_sure = search.converged && search.kind != OPEN;
     let most = select(OPEN_MISS, CONVERGED_MISS, is_sure);
     let tolerance = max(rounding * most.x, at.slack * most.y);
     if is_own && miss <= tolerance {
-        add_root(roots, NetRoot(uv, t, print), at);
+        add_root(NetRoot(uv, t, print), at);
     }
 }
 
@@ -264,25 +292,25 @@ fn is_within(uv: vec2<f32>, domain: Domain, margin: f32) -> bool {
     return all(uv >= domain.low - margin * domain.size) && all(uv <= domain.low + (1.0 + margin) * domain.size);
 }
 
-fn add_root(roots: ptr<function, NetRoots>, root: NetRoot, at: LeafRay) {
+fn add_root(root: NetRoot, at: LeafRay) {
     let near = SQRT_EPSILON * 0.25;
-    for (var i = 0u; i < (*roots).count; i++) {
-        let known = (*roots).root[i];
+    for (var i = 0u; i < net_roots.count; i++) {
+        let known = net_roots.root[i];
         let is_near = all(abs(known.uv - root.uv) <= near * at.domain.size);
         let is_any_grazing = known.footprint.is_grazing || root.footprint.is_grazing;
         let apart = abs(known.t - root.t) * length(at.ray.direction);
         if is_near || (is_any_grazing && same_place(apart, known.footprint.cosine, root.footprint.cosine, at.slack)) {
             if known.footprint.is_grazing && !root.footprint.is_grazing {
-                (*roots).root[i] = root;
+                net_roots.root[i] = root;
             }
             return;
         }
     }
-    if (*roots).count < MAX_ROOTS {
-        (*roots).root[(*roots).count] = root;
-        (*roots).count += 1u;
+    if net_roots.count < MAX_ROOTS {
+        net_roots.root[net_roots.count] = root;
+        net_roots.count += 1u;
     } else {
-        (*roots).is_cut = true;
+        net_roots.is_cut = true;
     }
 }
 

@@ -65,11 +65,7 @@ fn trace_part(ray: PartRay, instance: u32, near: Distance, bottom: u32, collecte
         if word == NO_PRIMITIVE {
             return;
         }
-        if (word & NET_LEAF_BIT) == 0u {
-            trace_face(ray, instance, word, near, collected);
-        } else if HAS_NETS {
-            trace_leaf(ray, instance, word & ~NET_LEAF_BIT, near, collected);
-        }
+        trace_primitive(ray, instance, word, near, collected);
     }
 }
 
@@ -77,76 +73,105 @@ fn is_between(distance: Distance, near: Distance, far: Distance) -> bool {
     return minus(distance, near) >= 0.0 && minus(distance, far) <= 0.0;
 }
 
-fn trace_face(part_ray: PartRay, instance: u32, index: u32, near: Distance, collected: ptr<function, Collected>) {
-    let face = faces[index];
-    let ray = approach_frame(part_ray, index);
-    let origin = apply_axes(index, ray.origin);
-    let direction = apply_axes(index, ray.direction);
-    let radii = vec2<f32>(face.radius_0, face.radius_1);
-    var roots = carrier_roots(face.kind, origin, direction, radii);
-    for (var i = 0u; i < roots.count; i++) {
-        let t = next_root(&roots);
-        let distance = Distance(ray.anchor, t);
+// Where a root is on its face, and what is known of it.
+struct Place {
+    uv: vec2<f32>,
+    margin: vec2<f32>,
+    print: Footprint,
+    // OUTSIDE or INSIDE, or NEAR where the trims have to tell.
+    cover: u32,
+}
+
+// The twin's `trace_face` and `trace_leaf` in one, so that what comes after the roots stands once, and rays at a face and at a leaf do it together.
+fn trace_primitive(part_ray: PartRay, instance: u32, word: u32, near: Distance, collected: ptr<function, Collected>) {
+    let is_leaf = HAS_NETS && (word & NET_LEAF_BIT) != 0u;
+    let leaf = word & ~NET_LEAF_BIT;
+    var face = word;
+    var net = NO_NET;
+    var anchor = 0.0;
+    var count = 0u;
+    var is_cut = false;
+    var carrier: CarrierRay;
+    var carrier_t: Roots;
+    if is_leaf {
+        net = net_leaves[leaf].net;
+        face = nets[net].face;
+        let ray = approach_point(part_ray, face, net_leaves[leaf].center);
+        leaf_roots(leaf, ray, beyond(near, ray.anchor), beyond((*collected).far, ray.anchor));
+        anchor = ray.anchor;
+        count = net_roots.count;
+        is_cut = net_roots.is_cut;
+    } else if HAS_CARRIERS {
+        let ray = approach_frame(part_ray, face);
+        let radii = vec2<f32>(faces[face].radius_0, faces[face].radius_1);
+        carrier = CarrierRay(faces[face].kind, apply_axes(face, ray.origin), apply_axes(face, ray.direction), radii);
+        carrier_t = carrier_roots(carrier);
+        anchor = ray.anchor;
+        count = carrier_t.count;
+    }
+    for (var i = 0u; i < count; i++) {
+        var distance = Distance(anchor, 0.0);
+        if is_leaf {
+            distance.offset = net_roots.root[i].t;
+        } else {
+            distance.offset = next_root(&carrier_t);
+        }
         if !is_between(distance, near, (*collected).far) {
             continue;
         }
-        let point = origin + direction * t;
-        let at = (carrier_parameters(face.kind, point, radii) - face.uv_low) * face.uv_scale;
-        let uv = vec2<f32>(to_window(at.x, face.period.x), to_window(at.y, face.period.y));
-        if is_far_outside(uv) {
-            continue;
+        var place: Place;
+        if is_leaf {
+            place = leaf_place(leaf, net_roots.root[i]);
+        } else if HAS_CARRIERS {
+            place = face_place(face, carrier, distance.offset);
         }
-        let s = carrier_tangents(face.kind, point, radii);
-        let curvature = carrier_curvature(face.kind, point, radii);
-        let print = scaled(footprint(direction, s.u, s.v, curvature, face.slack), face.uv_scale);
-        let margin = vec2<f32>(
-            window_margin(face.uv_low.x, face.uv_scale.x),
-            window_margin(face.uv_low.y, face.uv_scale.y),
-        );
-        let covered = cover(index, uv, margin, print, part_ray.direction);
+        var covered = place.cover;
+        if covered == NEAR {
+            covered = cover(face, place.uv, place.margin, place.print, part_ray.direction);
+        }
         if covered != OUTSIDE {
-            let certainty = certainty_of(covered, print.is_grazing);
-            accept(collected, RawHit(distance, instance, index, NO_NET, uv, certainty));
+            let certainty = select(certainty_of(covered, place.print.is_grazing), NEAR_BORDER, is_cut);
+            let uv = select(place.uv, net_roots.root[i].uv, vec2<bool>(is_leaf));
+            accept(collected, RawHit(distance, instance, face, net, uv, certainty));
         }
     }
 }
 
-fn trace_leaf(part_ray: PartRay, instance: u32, index: u32, near: Distance, collected: ptr<function, Collected>) {
-    let net = net_leaves[index].net;
-    let face = nets[net].face;
-    let ray = approach_point(part_ray, face, net_leaves[index].center);
-    let domain = leaf_domain(index);
-    var roots = leaf_roots(index, ray, beyond(near, ray.anchor), beyond((*collected).far, ray.anchor));
-    for (var i = 0u; i < roots.count; i++) {
-        let root = roots.root[i];
-        let distance = Distance(ray.anchor, root.t);
-        if !is_between(distance, near, (*collected).far) {
-            continue;
-        }
-        let covered = leaf_cover(index, domain, root, part_ray.direction);
-        if covered != OUTSIDE {
-            let certainty = select(certainty_of(covered, root.footprint.is_grazing), NEAR_BORDER, roots.is_cut);
-            accept(collected, RawHit(distance, instance, face, net, root.uv, certainty));
-        }
+fn face_place(index: u32, ray: CarrierRay, t: f32) -> Place {
+    let uv_low = faces[index].uv_low;
+    let uv_scale = faces[index].uv_scale;
+    let period = faces[index].period;
+    let point = ray.origin + ray.direction * t;
+    let at = (carrier_parameters(ray.kind, point, ray.radii) - uv_low) * uv_scale;
+    var place: Place;
+    place.uv = vec2<f32>(to_window(at.x, period.x), to_window(at.y, period.y));
+    if is_far_outside(place.uv) {
+        place.cover = OUTSIDE;
+        return place;
     }
+    let s = carrier_tangents(ray.kind, point, ray.radii);
+    let curvature = carrier_curvature(ray.kind, point, ray.radii);
+    place.print = scaled(footprint(ray.direction, s.u, s.v, curvature, faces[index].slack), uv_scale);
+    place.margin = vec2<f32>(window_margin(uv_low.x, uv_scale.x), window_margin(uv_low.y, uv_scale.y));
+    place.cover = NEAR;
+    return place;
 }
 
-fn certainty_of(covered: u32, is_grazing: bool) -> u32 {
-    return select(select(NEAR_BORDER, OWN, covered >= NEAR), CERTAIN, covered == INSIDE && !is_grazing);
-}
-
-fn leaf_cover(leaf: u32, domain: Domain, root: NetRoot, direction: vec3<f32>) -> u32 {
+fn leaf_place(leaf: u32, root: NetRoot) -> Place {
+    let domain = leaf_domain(leaf);
     let half_box = extent(root.footprint);
     let from_low = root.uv - domain.low;
     let is_own = all(from_low >= half_box) && all(domain.size - from_low >= half_box);
     if net_leaves[leaf].trim == TRIM_INSIDE && is_own {
-        return INSIDE;
+        return Place(root.uv, vec2<f32>(0.0), root.footprint, INSIDE);
     }
     let net = net_leaves[leaf].net;
-    let face = nets[net].face;
-    let uv = face_parameters(net, faces[face].period, root.uv);
-    let print = scaled(root.footprint, nets[net].uv_size);
-    return cover(face, uv, vec2<f32>(0.0), print, direction);
+    let uv = face_parameters(net, faces[nets[net].face].period, root.uv);
+    return Place(uv, vec2<f32>(0.0), scaled(root.footprint, nets[net].uv_size), NEAR);
+}
+
+fn certainty_of(covered: u32, is_grazing: bool) -> u32 {
+    return select(select(NEAR_BORDER, OWN, covered >= NEAR), CERTAIN, covered == INSIDE && !is_grazing);
 }
 
 fn face_parameters(net: u32, period: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {

@@ -18,20 +18,26 @@ fn trim_point(root: u32, at: vec2<f32>, extent: vec2<f32>) -> TrimPoint {
     var is_near = false;
     let word = trim_cell(root, uv, extent, &is_near);
     let kind = word >> 29u;
-    var inside = (word & 0x10000000u) != 0u;
-    if kind == 5u {
-        inside = inside != flips(root, (word >> 26u) & 3u, word & MAX_SEGMENT, uv, extent, &is_near);
-    } else if kind == 6u {
-        let head_at = beyond_cells(root) + (word & MAX_OFFSET);
-        let head = trim_nodes[head_at];
-        inside = (head >> 31u) == 1u;
-        let end = head_at + (head & 0x7fffffffu);
-        for (var index = head_at + 1u; index <= end; index++) {
-            let entry = trim_nodes[index];
-            inside = inside != flips(root, entry >> 30u, entry & MAX_SEGMENT, uv, extent, &is_near);
-        }
-    } else if kind != 4u {
+    if kind < 4u || kind == 7u {
         return TrimPoint(false, true);
+    }
+    var inside = (word & 0x10000000u) != 0u;
+    // A cell of one segment is a list of one, so that `flips` stands once.
+    var entry = ((word & 0x0c000000u) << 4u) | (word & MAX_SEGMENT);
+    var index = 0u;
+    var left = select(0u, 1u, kind == 5u);
+    if kind == 6u {
+        index = beyond_cells(root) + (word & MAX_OFFSET);
+        let head = trim_nodes[index];
+        inside = (head >> 31u) == 1u;
+        left = head & 0x7fffffffu;
+    }
+    for (; left > 0u; left--) {
+        if kind == 6u {
+            index += 1u;
+            entry = trim_nodes[index];
+        }
+        inside = inside != flips(root, entry >> 30u, entry & MAX_SEGMENT, uv, extent, &is_near);
     }
     return TrimPoint(inside, is_near);
 }

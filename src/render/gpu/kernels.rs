@@ -338,6 +338,8 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         let _ = writeln!(text, "const {name}: u32 = {}u;", kind as u32);
         let _ = writeln!(text, "const HAS_{name}: bool = {};", specialisation.has(kind));
     }
+    let has_carriers = KINDS.iter().any(|&(_, kind)| kind != FaceKind::Nets && specialisation.has(kind));
+    let _ = writeln!(text, "const HAS_CARRIERS: bool = {has_carriers};");
     text
 }
 
