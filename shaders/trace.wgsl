@@ -40,32 +40,40 @@ fn comes_before(a: RawHit, b: RawHit) -> bool {
     return a.instance < b.instance;
 }
 
+// The twin's `trace` and `trace_part` in one loop, so that the walk stands once, and rays on their way to a part walk beside those inside of one.
 fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
-    let top = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
-    var placements = start_walk(0u, header.node_count, 0u, 0u);
+    var boxes = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
+    var walk = start_walk(0u, header.node_count, 0u, 0u);
+    var anchor = 0.0;
+    // The walk over instances, while one through a part is under way.
+    var placements = walk;
+    var is_in_part = false;
+    var part_ray: PartRay;
+    var instance = 0u;
     loop {
-        let instance = next_primitive(&placements, top, beyond(near, 0.0), beyond((*collected).far, 0.0));
-        if instance == NO_PRIMITIVE {
-            return;
-        }
-        let part_ray = enter_instance(ray, instance);
-        if part_ray.meets {
-            trace_part(part_ray, instance, near, placements.depth, collected);
-        }
-    }
-}
-
-fn trace_part(ray: PartRay, instance: u32, near: Distance, bottom: u32, collected: ptr<function, Collected>) {
-    let part = parts[instances[instance].part];
-    let boxes = bvh_ray(ray.near_origin, ray.direction);
-    var walk = start_walk(part.first_node, part.node_count, part.first_primitive, bottom);
-    loop {
-        let nearest = beyond(near, ray.near_anchor);
-        let word = next_primitive(&walk, boxes, nearest, beyond((*collected).far, ray.near_anchor));
+        let word = next_primitive(&walk, boxes, beyond(near, anchor), beyond((*collected).far, anchor));
         if word == NO_PRIMITIVE {
-            return;
+            if !is_in_part {
+                return;
+            }
+            is_in_part = false;
+            walk = placements;
+            boxes = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
+            anchor = 0.0;
+        } else if is_in_part {
+            trace_primitive(part_ray, instance, word, near, collected);
+        } else {
+            instance = word;
+            part_ray = enter_instance(ray, instance);
+            if part_ray.meets {
+                is_in_part = true;
+                placements = walk;
+                let part = parts[instances[instance].part];
+                walk = start_walk(part.first_node, part.node_count, part.first_primitive, placements.depth);
+                boxes = bvh_ray(part_ray.near_origin, part_ray.direction);
+                anchor = part_ray.near_anchor;
+            }
         }
-        trace_primitive(ray, instance, word, near, collected);
     }
 }
 
