@@ -23,6 +23,7 @@ struct CarrierRay {
     origin: vec3<f32>,
     direction: vec3<f32>,
     radii: vec2<f32>,
+    anchor: f32,
 }
 
 // S_u and S_v.

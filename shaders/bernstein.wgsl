@@ -93,10 +93,9 @@ fn cubic_jet(first: u32, degrees: vec2<u32>, about: vec3<f32>, uv: vec2<f32>) ->
     return NetJet(values * u.values, values * u.slopes, across * u.values);
 }
 
-fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
-    let degrees = net_degrees(net);
+fn net_jet(first_point: u32, degrees: vec2<u32>, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
     if CHUNKS == 1u || all(degrees <= vec2<u32>(3u)) {
-        return cubic_jet(nets[net].first_point, degrees, about, uv);
+        return cubic_jet(first_point, degrees, about, uv);
     }
     var basis = basis_and_slopes(degrees, uv);
     var jet: NetJet;
@@ -107,7 +106,7 @@ fn net_jet(net: u32, about: vec3<f32>, uv: vec2<f32>) -> NetJet {
             values = basis.values[i / 4u];
             slopes = basis.slopes[i / 4u];
         }
-        let first = nets[net].first_point + i * (degrees.y + 1u);
+        let first = first_point + i * (degrees.y + 1u);
         var row = vec4<f32>(0.0);
         var row_v = vec4<f32>(0.0);
         for (var c = 0u; c <= degrees.y / 4u; c++) {

@@ -133,7 +133,7 @@ fn bend_area(cell: Cell, at: LeafRay, reach: vec2<f32>) -> f32 {
 }
 
 fn bend_at_pole(at: LeafRay, across: f32) -> f32 {
-    return min(1.0, f32(count_along(net_degrees(at.net), at.pole.axis)) * across);
+    return min(1.0, f32(count_along(at.degrees, at.pole.axis)) * across);
 }
 
 fn examine(jet: NetJet, at: LeafRay, cell: Cell) -> Verdict {

@@ -7,6 +7,8 @@ const SQRT_EPSILON: f32 = 3.4526698e-4;
 // ∛EPSILON.
 const CBRT_EPSILON: f32 = 4.9215666e-3;
 const MAX_UNIQUE_STEPS: u32 = 10u;
+// Turns after which a search makes way for the walks of other invocations, where they share rays.
+const SEARCH_TURNS: u32 = 8u;
 const TANGENT_STEPS: u32 = 16u;
 const DAMPING_FACTOR: f32 = 8.0;
 const CONVERGED_MISS = vec2<f32>(256.0, 4.0);
@@ -39,7 +41,8 @@ struct LeafRay {
     planes: RayPlanes,
     slack: f32,
     pole: Pole,
-    net: u32,
+    first_point: u32,
+    degrees: vec2<u32>,
     // Of the tangents.
     lengths: vec2<f32>,
     // leaf_bend, and whether it is known.
@@ -75,9 +78,22 @@ fn leaf_domain(leaf: u32) -> Domain {
     return Domain(vec2<f32>(bits & vec2<u32>(0xfffu)) * size, size);
 }
 
-// The twin's loops over cells, starts and steps are one loop here, so that `net_jet` stands once: drivers copy a function's whole text to
-// each of its calls, and invocations that look at cells and others that take steps evaluate together.
-fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) {
+// The twin's `leaf_roots` on its way.
+struct LeafSearch {
+    at: LeafRay,
+    hit: SlabHit,
+    isolating: bool,
+    kind: u32,
+    cell: Cell,
+    next_start: u32,
+    starts_left: u32,
+    search: Search,
+    // Whether a cell or a start is next.
+    is_new: bool,
+    goes_on: bool,
+}
+
+fn start_leaf(leaf: u32, ray: PrimitiveRay, near: f32, far: f32, s: ptr<function, LeafSearch>) {
     net_roots.count = 0u;
     net_roots.is_cut = false;
     let hit = intersect_slab(leaf, ray, near, far);
@@ -89,47 +105,67 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) {
     let pole = leaf_pole(net, domain);
     let a = net_leaves[leaf].tangent_u;
     let b = net_leaves[leaf].tangent_v;
-    let at = LeafRay(
+    (*s).at = LeafRay(
         leaf,
         domain,
         ray,
         ray_planes(ray),
         faces[nets[net].face].slack,
         pole,
-        net,
+        nets[net].first_point,
+        net_degrees(net),
         vec2<f32>(length(a), length(b)),
         leaf_bend(leaf),
         has_bend_bound(leaf),
         greatest(net_leaves[leaf].center),
         greatest(a) + greatest(b),
     );
-    let isolating = EXACTNESS == EXACT && !hit.unique && at.has_bend;
-    let kind = select(OPEN, UNIQUE, hit.unique);
-    var cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
+    (*s).hit = hit;
+    (*s).isolating = EXACTNESS == EXACT && !hit.unique && (*s).at.has_bend;
+    (*s).kind = select(OPEN, UNIQUE, hit.unique);
+    (*s).cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
     let starts = fixed_starts(hit);
-    var next_start = starts.x;
-    var starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, isolating);
-    var search = search_from(vec2<f32>(0.0), kind, 1.0, true);
-    var is_new = true;
-    loop {
+    (*s).next_start = starts.x;
+    (*s).starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, (*s).isolating);
+    (*s).is_new = true;
+    (*s).goes_on = true;
+    if RAYS_PER_INVOCATION == 1u {
+        // Here, so that no register is kept for what is left of a search.
+        search_leaf(s);
+    }
+}
+
+// The twin's loops over cells, starts and steps are one loop here, so that `net_jet` stands once: drivers copy a function's whole text to
+// each of its calls, and invocations that look at cells and others that take steps evaluate together.
+fn search_leaf(s: ptr<function, LeafSearch>) {
+    let at = (*s).at;
+    var search = (*s).search;
+    var cell = (*s).cell;
+    var is_new = (*s).is_new;
+    var starts_left = (*s).starts_left;
+    var goes_on = true;
+    var turns_left = SEARCH_TURNS;
+    while goes_on && (RAYS_PER_INVOCATION == 1u || turns_left > 0u) {
+        turns_left -= 1u;
         if is_new {
             if starts_left == 0u {
-                net_roots.is_cut = isolating;
-                return;
+                net_roots.is_cut = (*s).isolating;
+                goes_on = false;
+                break;
             }
             starts_left -= 1u;
-            if isolating {
-                search = search_from(cell_center(cell, domain), OPEN, 1.0, true);
+            if (*s).isolating {
+                search = search_from(cell_center(cell, at.domain), OPEN, 1.0, true);
             } else {
-                search = search_from(fixed_start(hit, next_start, domain), kind, 1.0, true);
-                next_start += 1u;
+                search = search_from(fixed_start((*s).hit, (*s).next_start, at.domain), (*s).kind, 1.0, true);
+                (*s).next_start += 1u;
             }
         }
-        let jet = net_jet(net, ray.origin, search.uv);
-        if isolating && is_new {
+        let jet = net_jet(at.first_point, at.degrees, at.ray.origin, search.uv);
+        if (*s).isolating && is_new {
             let verdict = examine(jet, at, cell);
             if verdict.splits {
-                cell = first_part(cell, pole, verdict.quarters);
+                cell = first_part(cell, at.pole, verdict.quarters);
                 continue;
             }
             search = search_from(verdict.start, verdict.kind, verdict.across, verdict.wanted);
@@ -137,11 +173,15 @@ fn leaf_roots(leaf: u32, ray: PrimitiveRay, near: f32, far: f32) {
             advance(jet, at, &search);
         }
         is_new = !search.goes_on;
-        if isolating && is_new && !next_cell(&cell, pole) {
-            return;
+        if (*s).isolating && is_new {
+            goes_on = next_cell(&cell, at.pole);
         }
     }
-    return;
+    (*s).search = search;
+    (*s).cell = cell;
+    (*s).is_new = is_new;
+    (*s).starts_left = starts_left;
+    (*s).goes_on = goes_on;
 }
 
 // The first start, and the one after the last.
@@ -357,7 +397,7 @@ fn regular_normal(net: u32, uv: vec2<f32>) -> vec3<f32> {
 }
 
 fn net_tangents(net: u32, uv: vec2<f32>) -> Tangents {
-    let jet = net_jet(net, vec3<f32>(0.0), uv);
+    let jet = net_jet(nets[net].first_point, net_degrees(net), vec3<f32>(0.0), uv);
     let point = jet.value.xyz * (1.0 / jet.value.w);
     return Tangents(jet.by_u.xyz - point * jet.by_u.w, jet.by_v.xyz - point * jet.by_v.w);
 }

@@ -40,47 +40,6 @@ fn comes_before(a: RawHit, b: RawHit) -> bool {
     return a.instance < b.instance;
 }
 
-// The twin's `trace` and `trace_part` in one loop, so that the walk stands once, and rays on their way to a part walk beside those inside of one.
-fn trace(ray: WorldRay, near: Distance, collected: ptr<function, Collected>) {
-    var boxes = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
-    var walk = start_walk(0u, header.node_count, 0u, 0u);
-    var anchor = 0.0;
-    // The walk over instances, while one through a part is under way.
-    var placements = walk;
-    var is_in_part = false;
-    var part_ray: PartRay;
-    var instance = 0u;
-    loop {
-        let word = next_primitive(&walk, boxes, beyond(near, anchor), beyond((*collected).far, anchor));
-        if word == NO_PRIMITIVE {
-            if !is_in_part {
-                return;
-            }
-            is_in_part = false;
-            walk = placements;
-            boxes = bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
-            anchor = 0.0;
-        } else if is_in_part {
-            trace_primitive(part_ray, instance, word, near, collected);
-        } else {
-            instance = word;
-            part_ray = enter_instance(ray, instance);
-            if part_ray.meets {
-                is_in_part = true;
-                placements = walk;
-                let part = parts[instances[instance].part];
-                walk = start_walk(part.first_node, part.node_count, part.first_primitive, placements.depth);
-                boxes = bvh_ray(part_ray.near_origin, part_ray.direction);
-                anchor = part_ray.near_anchor;
-            }
-        }
-    }
-}
-
-fn is_between(distance: Distance, near: Distance, far: Distance) -> bool {
-    return minus(distance, near) >= 0.0 && minus(distance, far) <= 0.0;
-}
-
 // Where a root is on its face, and what is known of it.
 struct Place {
     uv: vec2<f32>,
@@ -90,59 +49,134 @@ struct Place {
     cover: u32,
 }
 
-// The twin's `trace_face` and `trace_leaf` in one, so that what comes after the roots stands once, and rays at a face and at a leaf do it together.
-fn trace_primitive(part_ray: PartRay, instance: u32, word: u32, near: Distance, collected: ptr<function, Collected>) {
-    let is_leaf = HAS_NETS && (word & NET_LEAF_BIT) != 0u;
-    let leaf = word & ~NET_LEAF_BIT;
-    var face = word;
+// The twin's `trace`, `trace_part`, `trace_face` and `trace_leaf` in one loop. What they have in common so stands once, and invocations do it together: a
+// walk of either level, the roots of a face or a search in a leaf, what the trims say of roots.
+//
+// Where invocations share rays, one that is through with its ray takes the next (`next_ray`, of each entry file), and one whose search takes longer than
+// SEARCH_TURNS goes on with it while others walk. Rays that go different ways, of which some take fifty times as long as others, are traced up to twice as
+// fast so; rays that go the same way lose each other, and with that a third of their speed or half.
+fn trace(first_ray: WorldRay, first_near: Distance, collected: ptr<function, Collected>) {
+    var ray = first_ray;
+    var near = first_near;
+    var boxes = world_boxes(ray);
+    var walk = start_walk(0u, header.node_count, 0u, 0u);
+    var boxes_anchor = 0.0;
+    // The walk over instances, while one through a part is under way.
+    var placements = walk;
+    var is_in_part = false;
+    var part_ray: PartRay;
+    var instance = 0u;
+    // Whose roots are next.
+    var face = 0u;
     var net = NO_NET;
+    var leaf = 0u;
     var anchor = 0.0;
-    var count = 0u;
-    var is_cut = false;
-    var carrier: CarrierRay;
-    var carrier_t: Roots;
-    if is_leaf {
-        net = net_leaves[leaf].net;
-        face = nets[net].face;
-        let ray = approach_point(part_ray, face, net_leaves[leaf].center);
-        leaf_roots(leaf, ray, beyond(near, ray.anchor), beyond((*collected).far, ray.anchor));
-        anchor = ray.anchor;
-        count = net_roots.count;
-        is_cut = net_roots.is_cut;
-    } else if HAS_CARRIERS {
-        let ray = approach_frame(part_ray, face);
-        let radii = vec2<f32>(faces[face].radius_0, faces[face].radius_1);
-        carrier = CarrierRay(faces[face].kind, apply_axes(face, ray.origin), apply_axes(face, ray.direction), radii);
-        carrier_t = carrier_roots(carrier);
-        anchor = ray.anchor;
-        count = carrier_t.count;
-    }
-    for (var i = 0u; i < count; i++) {
-        var distance = Distance(anchor, 0.0);
+    var search: LeafSearch;
+    loop {
+        var carrier: CarrierRay;
+        var carrier_t = no_roots();
+        if !HAS_NETS || RAYS_PER_INVOCATION == 1u || !search.goes_on {
+            var word = NO_PRIMITIVE;
+            loop {
+                let nearest = beyond(near, boxes_anchor);
+                word = next_primitive(&walk, boxes, nearest, beyond((*collected).far, boxes_anchor));
+                if word != NO_PRIMITIVE && is_in_part {
+                    break;
+                }
+                if word != NO_PRIMITIVE {
+                    instance = word;
+                    part_ray = enter_instance(ray, instance);
+                    if part_ray.meets {
+                        is_in_part = true;
+                        placements = walk;
+                        let part = parts[instances[instance].part];
+                        walk = start_walk(part.first_node, part.node_count, part.first_primitive, placements.depth);
+                        boxes = bvh_ray(part_ray.near_origin, part_ray.direction);
+                        boxes_anchor = part_ray.near_anchor;
+                    }
+                    continue;
+                }
+                if is_in_part {
+                    is_in_part = false;
+                    walk = placements;
+                } else if next_ray(&ray, &near, collected) {
+                    walk = start_walk(0u, header.node_count, 0u, 0u);
+                } else {
+                    break;
+                }
+                boxes = world_boxes(ray);
+                boxes_anchor = 0.0;
+            }
+            if word == NO_PRIMITIVE {
+                return;
+            }
+            let is_face = (word & NET_LEAF_BIT) == 0u;
+            if HAS_NETS && !is_face {
+                leaf = word & ~NET_LEAF_BIT;
+                net = net_leaves[leaf].net;
+                face = nets[net].face;
+                let near_leaf = approach_point(part_ray, face, net_leaves[leaf].center);
+                anchor = near_leaf.anchor;
+                start_leaf(leaf, near_leaf, beyond(near, anchor), beyond((*collected).far, anchor), &search);
+            } else if HAS_CARRIERS && is_face {
+                net = NO_NET;
+                face = word;
+                carrier = carrier_ray(part_ray, face);
+                anchor = carrier.anchor;
+                carrier_t = carrier_roots(carrier);
+            }
+        }
+        let is_leaf = HAS_NETS && net != NO_NET;
+        var count = carrier_t.count;
         if is_leaf {
-            distance.offset = net_roots.root[i].t;
-        } else {
-            distance.offset = next_root(&carrier_t);
+            count = net_roots.count;
         }
-        if !is_between(distance, near, (*collected).far) {
-            continue;
+        if RAYS_PER_INVOCATION > 1u && search.goes_on {
+            search_leaf(&search);
+            count = select(net_roots.count, 0u, search.goes_on);
         }
-        var place: Place;
-        if is_leaf {
-            place = leaf_place(leaf, net_roots.root[i]);
-        } else if HAS_CARRIERS {
-            place = face_place(face, carrier, distance.offset);
-        }
-        var covered = place.cover;
-        if covered == NEAR {
-            covered = cover(face, place.uv, place.margin, place.print, part_ray.direction);
-        }
-        if covered != OUTSIDE {
-            let certainty = select(certainty_of(covered, place.print.is_grazing), NEAR_BORDER, is_cut);
-            let uv = select(place.uv, net_roots.root[i].uv, vec2<bool>(is_leaf));
-            accept(collected, RawHit(distance, instance, face, net, uv, certainty));
+        for (var i = 0u; i < count; i++) {
+            var distance = Distance(anchor, 0.0);
+            if is_leaf {
+                distance.offset = net_roots.root[i].t;
+            } else {
+                distance.offset = next_root(&carrier_t);
+            }
+            if !is_between(distance, near, (*collected).far) {
+                continue;
+            }
+            var place: Place;
+            if is_leaf {
+                place = leaf_place(leaf, net_roots.root[i]);
+            } else if HAS_CARRIERS {
+                place = face_place(face, carrier, distance.offset);
+            }
+            var covered = place.cover;
+            if covered == NEAR {
+                covered = cover(face, place.uv, place.margin, place.print, part_ray.direction);
+            }
+            if covered != OUTSIDE {
+                let is_cut = is_leaf && net_roots.is_cut;
+                let certainty = select(certainty_of(covered, place.print.is_grazing), NEAR_BORDER, is_cut);
+                let uv = select(place.uv, net_roots.root[i].uv, vec2<bool>(is_leaf));
+                accept(collected, RawHit(distance, instance, face, net, uv, certainty));
+            }
         }
     }
+}
+
+fn world_boxes(ray: WorldRay) -> BvhRay {
+    return bvh_ray(grid_position(ray.grid) + ray.fraction, ray.direction);
+}
+
+fn carrier_ray(part_ray: PartRay, face: u32) -> CarrierRay {
+    let ray = approach_frame(part_ray, face);
+    let radii = vec2<f32>(faces[face].radius_0, faces[face].radius_1);
+    return CarrierRay(faces[face].kind, apply_axes(face, ray.origin), apply_axes(face, ray.direction), radii, ray.anchor);
+}
+
+fn is_between(distance: Distance, near: Distance, far: Distance) -> bool {
+    return minus(distance, near) >= 0.0 && minus(distance, far) <= 0.0;
 }
 
 fn face_place(index: u32, ray: CarrierRay, t: f32) -> Place {

@@ -4,7 +4,9 @@
 use naga::{Module, TypeInner};
 use std::mem::{offset_of, size_of};
 use trimray::render::Exactness;
-use trimray::render::gpu::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
+use trimray::render::gpu::{
+    Entry, FUNCTION_FILES, Grouping, PATH_FILES, Specialisation, software_source, source,
+};
 use trimray::scene::{self, TrimStructure};
 
 const EXACT: Exactness = Exactness::Exact;
@@ -36,8 +38,8 @@ const SPECIALISATIONS: [Specialisation; 13] = [
     Specialisation { section: true, ..WIDE },
 ];
 
-fn parse(entry: Entry, specialisation: &Specialisation) -> Module {
-    let text = source(entry, specialisation);
+fn parse(entry: Entry, specialisation: &Specialisation, grouping: Grouping) -> Module {
+    let text = source(entry, specialisation, grouping);
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)))
 }
 
@@ -65,7 +67,7 @@ macro_rules! assert_layout {
 
 #[test]
 fn records_agree() {
-    let module = &parse(Entry::Probe, &SPECIALISATIONS[0]);
+    let module = &parse(Entry::Probe, &SPECIALISATIONS[0], Grouping::Wide);
     assert_layout!(
         module,
         Instance {
@@ -131,7 +133,7 @@ fn records_agree() {
 /// `e` and `imask`, three bytes and one, are the one word `e_imask` in WGSL.
 #[test]
 fn bvh_node_agrees() {
-    let module = &parse(Entry::Probe, &SPECIALISATIONS[0]);
+    let module = &parse(Entry::Probe, &SPECIALISATIONS[0], Grouping::Wide);
     let (mut fields, size) = wgsl_layout(module, "BvhNode");
     assert_eq!(fields.remove(1), ("e_imask".to_owned(), offset_of!(scene::BvhNode, e)));
     assert_eq!(offset_of!(scene::BvhNode, imask), offset_of!(scene::BvhNode, e) + 3);
@@ -155,12 +157,15 @@ fn bvh_node_agrees() {
 
 #[test]
 fn kernels_validate() {
-    for entry in Entry::ALL {
+    let groupings = [Grouping::Narrow, Grouping::Wide, Grouping::Shared];
+    for (entry, grouping) in
+        Entry::ALL.into_iter().flat_map(|entry| groupings.map(|grouping| (entry, grouping)))
+    {
         for specialisation in &SPECIALISATIONS {
-            let text = software_source(entry, specialisation, 1);
+            let text = software_source(entry, specialisation, grouping);
             naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-            let module = parse(entry, specialisation);
+            let module = parse(entry, specialisation, grouping);
             naga::valid::Validator::new(
                 naga::valid::ValidationFlags::all(),
                 naga::valid::Capabilities::empty(),
@@ -174,7 +179,7 @@ fn kernels_validate() {
 
 /// What only the shaders need: tests that the twin writes in place, loops of the twin that are one loop here, reads of arrays by index, and
 /// what WGSL's built-ins do not give; and what keeps vectors out of memory.
-const WITHOUT_TWIN: [&str; 20] = [
+const WITHOUT_TWIN: [&str; 26] = [
     "advance",
     "add_search",
     "search_from",
@@ -195,6 +200,12 @@ const WITHOUT_TWIN: [&str; 20] = [
     "bvh_node",
     "cubic_basis",
     "cubic_jet",
+    "start_leaf",
+    "search_leaf",
+    "world_boxes",
+    "carrier_ray",
+    "face_place",
+    "leaf_place",
 ];
 
 /// A file's functions stand in the Rust file of the same stem, but for the methods that became functions.

@@ -29,7 +29,8 @@ struct ProbeHit {
 @group(1) @binding(0) var<uniform> parameters: ProbeParameters;
 @group(1) @binding(1) var<storage, read> rays: array<ProbeRay>;
 @group(1) @binding(2) var<storage, read_write> hits: array<ProbeHit>;
-@group(1) @binding(3) var<storage, read_write> counts: array<u32>;
+// Of each ray 1 + the number of its hits; 0, as the buffer is before, where it is not answered.
+@group(1) @binding(3) var<storage, read_write> answers: array<u32>;
 
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {
     if parameters.first_only != 0u && (*collected).count != 0u {
@@ -50,18 +51,50 @@ fn accept(collected: ptr<function, Collected>, hit: RawHit) {
     (*collected).count += 1u;
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= parameters.ray_count {
-        return;
+// Those of a workgroup are one after the other, and its invocations take them in turn.
+var<workgroup> rays_taken: atomic<u32>;
+var<private> first_of_group: u32;
+var<private> ray_index: u32;
+
+fn take_ray(index: u32, ray: ptr<function, WorldRay>, near: ptr<function, Distance>, collected: ptr<function, Collected>) -> bool {
+    if index >= parameters.ray_count {
+        return false;
     }
-    let ray = rays[id.x];
+    ray_index = index;
+    let next = rays[index];
+    *ray = WorldRay(next.grid, next.fraction, next.direction, next.direction_low);
+    *near = Distance(next.near_anchor, next.near_offset);
+    (*collected).far = Distance(0.0, INFINITE);
+    (*collected).count = 0u;
+    (*collected).first_slot = next.first_slot;
+    (*collected).slots = next.slots;
+    return true;
+}
+
+fn next_ray(ray: ptr<function, WorldRay>, near: ptr<function, Distance>, collected: ptr<function, Collected>) -> bool {
+    if !was_cut() {
+        answers[ray_index] = 1u + (*collected).count;
+    }
+    if RAYS_PER_INVOCATION == 1u {
+        return false;
+    }
+    let taken = atomicAdd(&rays_taken, 1u);
+    return taken < WORKGROUP_SIZE * RAYS_PER_INVOCATION && take_ray(first_of_group + taken, ray, near, collected);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn probe(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    first_of_group = group.x * (WORKGROUP_SIZE * RAYS_PER_INVOCATION);
+    if RAYS_PER_INVOCATION > 1u {
+        if lane == 0u {
+            atomicStore(&rays_taken, WORKGROUP_SIZE);
+        }
+        workgroupBarrier();
+    }
+    var ray: WorldRay;
+    var near: Distance;
     var collected: Collected;
-    collected.far = Distance(0.0, INFINITE);
-    collected.first_slot = ray.first_slot;
-    collected.slots = ray.slots;
-    let world_ray = WorldRay(ray.grid, ray.fraction, ray.direction, ray.direction_low);
-    let near = Distance(ray.near_anchor, ray.near_offset);
-    trace(world_ray, near, &collected);
-    counts[id.x] = select(collected.count, INCOMPLETE, was_cut());
+    if take_ray(first_of_group + lane, &ray, &near, &collected) {
+        trace(ray, near, &collected);
+    }
 }

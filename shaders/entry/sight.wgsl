@@ -32,6 +32,11 @@ fn accept(collected: ptr<function, Collected>, hit: RawHit) {
     (*collected).count += 1u;
 }
 
+// Here an invocation has one ray.
+fn next_ray(ray: ptr<function, WorldRay>, near: ptr<function, Distance>, collected: ptr<function, Collected>) -> bool {
+    return false;
+}
+
 fn view_cut(section: Section, ray: WorldRay, near: Distance) -> Cut {
     var cut: Cut;
     if HAS_SECTION {

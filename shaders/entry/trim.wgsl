@@ -17,11 +17,16 @@ struct TrimQuery {
 @group(1) @binding(1) var<storage, read> queries: array<TrimQuery>;
 @group(1) @binding(2) var<storage, read_write> answers: array<u32>;
 
-const ANSWER_OUTSIDE: u32 = 0u;
-const ANSWER_INSIDE: u32 = 1u;
+// 0, as the buffer is before, where the query is not answered.
+const ANSWER_OUTSIDE: u32 = 1u;
+const ANSWER_INSIDE: u32 = 2u;
 
-// The function files call it; no ray is traced here.
+// The function files call them; no ray is traced here.
 fn accept(collected: ptr<function, Collected>, hit: RawHit) {}
+
+fn next_ray(ray: ptr<function, WorldRay>, near: ptr<function, Distance>, collected: ptr<function, Collected>) -> bool {
+    return false;
+}
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trim(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -30,6 +35,7 @@ fn trim(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let query = queries[id.x];
     let point = trim_point(query.root, query.uv, vec2<f32>(-1.0));
-    let answer = select(ANSWER_OUTSIDE, ANSWER_INSIDE, point.inside);
-    answers[id.x] = select(answer, INCOMPLETE, turns > MOST_TURNS);
+    if turns <= MOST_TURNS {
+        answers[id.x] = select(ANSWER_OUTSIDE, ANSWER_INSIDE, point.inside);
+    }
 }

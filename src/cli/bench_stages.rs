@@ -8,7 +8,7 @@ use crate::bench::{
     FrameLoad, FrameWork, PlotPoint, Stage, Stages, growth_exponent, logarithmic_svg, measure_frames,
     measure_kernel, measure_stages, primary_rays, random_rays,
 };
-use crate::render::{Exactness, Ray};
+use crate::render::{Coherence, Exactness, Ray};
 use crate::scene::Scene;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -163,10 +163,12 @@ fn frames(
             }
         })?;
     }
-    let rays: [(Stage, RayMaker); 2] =
-        [(Stage::PrimaryKernel, primary_rays), (Stage::RandomKernel, random_rays)];
-    for (stage, make) in rays {
-        let Some(work) = renderer.hold_rays(|| make(&scene, &load))? else {
+    let rays: [(Stage, RayMaker, Coherence); 2] = [
+        (Stage::PrimaryKernel, primary_rays, Coherence::Coherent),
+        (Stage::RandomKernel, random_rays, Coherence::Incoherent),
+    ];
+    for (stage, make, coherence) in rays {
+        let Some(work) = renderer.hold_rays(|| make(&scene, &load), coherence)? else {
             anyhow::ensure!(!command.kernels, "there is no GPU whose kernels could be timed");
             continue;
         };

@@ -6,7 +6,7 @@ use crate::image::{Film, Layers};
 use crate::render::cpu::{self, Precision};
 #[cfg(feature = "gpu")]
 use crate::render::gpu::{AdapterChoice, Gpu, GpuError, GpuScene};
-use crate::render::{Camera, Exactness, Hit, PathOptions, Ray, RenderOptions};
+use crate::render::{Camera, Coherence, Exactness, Hit, PathOptions, Ray, RenderOptions};
 use crate::scene::Scene;
 use std::io::Write;
 #[cfg(feature = "gpu")]
@@ -287,10 +287,14 @@ impl<'s> Renderer<'_, '_, 's> {
 
     /// Brings rays to the GPU, to be traced to their first hits; `None` where that does not compute.
     #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU holds rays"))]
-    pub(super) fn hold_rays(&mut self, rays: impl FnOnce() -> Vec<Ray>) -> anyhow::Result<Option<HeldRays>> {
+    pub(super) fn hold_rays(
+        &mut self,
+        rays: impl FnOnce() -> Vec<Ray>,
+        coherence: Coherence,
+    ) -> anyhow::Result<Option<HeldRays>> {
         #[cfg(feature = "gpu")]
         return self.device.on_gpu(self.uploaded.as_ref(), |gpu, uploaded| {
-            gpu.hold_rays(uploaded, &rays(), Exactness::default())
+            gpu.hold_rays(uploaded, &rays(), Exactness::default(), coherence)
         });
         #[cfg(not(feature = "gpu"))]
         Ok(None)

@@ -26,7 +26,7 @@ pub use environment::Environment;
 pub use framing::bounds;
 pub use ground::lowest;
 pub use named_view::{NAMED_VIEWS, NamedView, REVIEW};
-pub use options::{Background, Exactness, NetSearch, RenderOptions, Sampling};
+pub use options::{Background, Coherence, Exactness, NetSearch, RenderOptions, Sampling};
 pub use overrides::{Overridden, Override, PartOverride, override_looks};
 pub use paths::{Ground, PathOptions};
 pub use ray::{Hit, Ray};

@@ -22,6 +22,15 @@ impl Background {
     }
 }
 
+/// How rays go that are beside each other in a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coherence {
+    /// Alike, as those through pixels beside each other.
+    Coherent,
+    /// Anyhow.
+    Incoherent,
+}
+
 /// How carefully a leaf of a net is searched where a ray grazes it: where nothing certifies that at most one hit is there. All other
 /// pairs of a ray and a leaf are treated alike, and without loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -1,8 +1,8 @@
 //! Work that a device holds finds what the same work finds on its way there and back.
 
 use super::{chords, gpu, synthetic};
-use trimray::render::Exactness;
 use trimray::render::gpu::TrimQuery;
+use trimray::render::{Coherence, Exactness};
 use trimray::scene::TRIM_INSIDE;
 
 #[test]
@@ -18,13 +18,15 @@ fn held_work_finds_what_other_work_finds() {
     // Those that pass by stay behind.
     let beside = rays[0].origin * 1e3;
     rays.push(trimray::render::Ray { origin: beside, direction: beside.any_orthogonal_vector() });
-    let held = gpu.hold_rays(&on_gpu, &rays, Exactness::default()).unwrap();
-    gpu.run_held(&on_gpu, &held, 2).unwrap();
-    let found = gpu.count_held(&held).unwrap();
-    eprintln!("{}: {found} of {} held rays hit, {expected} others", gpu.name(), held.count());
-    assert_eq!(held.count(), 3_000);
-    // What is not certain to be a hit is looked at again on the way back, and a software device gives up on some.
-    assert!(expected > 100 && found.abs_diff(expected) <= expected / 50, "{found} {expected}");
+    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let held = gpu.hold_rays(&on_gpu, &rays, Exactness::default(), coherence).unwrap();
+        gpu.run_held(&on_gpu, &held, 2).unwrap();
+        let found = gpu.count_held(&held).unwrap();
+        eprintln!("{}: {found} of {} {coherence:?} rays hit, {expected} others", gpu.name(), held.count());
+        assert_eq!(held.count(), 3_000);
+        // What is not certain to be a hit is looked at again on the way back, and a software device gives up on some.
+        assert!(expected > 100 && found.abs_diff(expected) <= expected / 50, "{found} {expected}");
+    }
 
     let roots: Vec<u32> =
         scene.faces.iter().map(|face| face.trim_root).filter(|&root| root != TRIM_INSIDE).collect();

@@ -3,24 +3,24 @@
 //! A bench that times [`Gpu::probe`] on a fast device times the bus and the host, which prepares rays and sorts hits. Here only the kernel runs, over
 //! all that was brought before, as often as is asked. What it finds can be counted, so that no bench times a kernel that finds nothing.
 
-use super::kernels::{INCOMPLETE, WIDE};
 use super::rays::{Pending, probe_ray};
 use super::trims::TrimQuery;
-use super::{Entry, Gpu, GpuError, GpuScene};
+use super::{Entry, Gpu, GpuError, GpuScene, Grouping};
 use crate::render::cpu::ray_space::prepare;
-use crate::render::{Exactness, Ray};
+use crate::render::{Coherence, Exactness, Ray};
 use rayon::prelude::*;
 
 /// What a kernel is to do, on the device. It belongs to the scene that it was made for.
 pub struct HeldWork {
     pipeline: wgpu::ComputePipeline,
+    grouping: Grouping,
     batches: Vec<Batch>,
 }
 
 struct Batch {
     bind_group: wgpu::BindGroup,
     count: u32,
-    /// A word for each element: hits of a ray, whether a point is inside.
+    /// A word for each element: 0 where there is no answer, 1 + the number of hits of a ray, 1 or 2 for a point outside or inside.
     answers: wgpu::Buffer,
 }
 
@@ -42,8 +42,13 @@ impl Gpu {
         scene: &GpuScene<'_>,
         rays: &[Ray],
         exactness: Exactness,
+        coherence: Coherence,
     ) -> Result<HeldWork, GpuError> {
-        let pipeline = self.pipeline(Entry::Probe, scene, exactness, false, WIDE)?;
+        let grouping = match coherence {
+            Coherence::Coherent => Grouping::Wide,
+            Coherence::Incoherent => Grouping::Shared,
+        };
+        let pipeline = self.pipeline(Entry::Probe, scene, exactness, false, grouping)?;
         let mut batches = Vec::new();
         for batch in rays.chunks(self.most_elements()) {
             let prepared: Vec<_> =
@@ -60,7 +65,7 @@ impl Gpu {
             batches.push(Batch { bind_group, count, answers });
         }
         self.check()?;
-        Ok(HeldWork { pipeline, batches })
+        Ok(HeldWork { pipeline, grouping, batches })
     }
 
     /// Brings points to the device, to be told whether they are inside their trims.
@@ -69,14 +74,15 @@ impl Gpu {
     ///
     /// The device's own.
     pub fn hold_queries(&self, scene: &GpuScene<'_>, queries: &[TrimQuery]) -> Result<HeldWork, GpuError> {
-        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, WIDE)?;
+        let grouping = Grouping::Wide;
+        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, grouping)?;
         let of_batch = |queries: &[TrimQuery]| {
             let (bind_group, answers) = self.bind_queries(queries);
             Batch { bind_group, count: queries.len() as u32, answers }
         };
         let batches = queries.chunks(self.most_elements()).map(of_batch).collect();
         self.check()?;
-        Ok(HeldWork { pipeline, batches })
+        Ok(HeldWork { pipeline, grouping, batches })
     }
 
     /// Does the work so many times, all batches in one submission, and waits for its end.
@@ -91,13 +97,13 @@ impl Gpu {
         pass.set_bind_group(0, &scene.bind_group, &[]);
         for batch in (0..times).flat_map(|_| &work.batches) {
             pass.set_bind_group(1, &batch.bind_group, &[]);
-            pass.dispatch_workgroups(batch.count.div_ceil(WIDE), 1, 1);
+            pass.dispatch_workgroups(work.grouping.workgroups(batch.count, self.is_software()), 1, 1);
         }
         drop(pass);
         self.run(encoder.finish())
     }
 
-    /// How many elements of work that has been done have an answer above 0: rays with hits, points that are inside. Those that a software device gives up on
+    /// How many rays of work that has been done have hits, or how many points are inside. Those that a software device gives up on
     /// have none.
     ///
     /// # Errors
@@ -107,7 +113,7 @@ impl Gpu {
         let mut found = 0;
         for batch in &work.batches {
             let answers: Vec<u32> = self.read(&batch.answers, batch.count as usize)?;
-            found += answers.iter().filter(|&&answer| answer != 0 && answer != INCOMPLETE).count() as u64;
+            found += answers.iter().filter(|&&answer| answer > 1).count() as u64;
         }
         Ok(found)
     }

@@ -19,10 +19,43 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 
-/// Invocations in a workgroup.
-pub(super) const WIDE: u32 = 64;
-/// Invocations in a workgroup where software devices have to give each its own loops.
-pub(super) const NARROW: u32 = 1;
+/// How the elements of a dispatch are shared out among invocations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Grouping {
+    /// Each has a workgroup for itself: where software devices have to give each its own loops.
+    Narrow,
+    /// An element for each invocation: for those that do alike.
+    Wide,
+    /// Several for each, of which an invocation takes another when it is through with one: for rays that go different ways. Only the probe kernel can.
+    Shared,
+}
+
+impl Grouping {
+    /// Invocations in a workgroup.
+    fn lanes(self, software: bool) -> u32 {
+        match self {
+            Self::Narrow => 1,
+            // On an H200 coherent rays are up to 9 % faster in workgroups of 128 than in those of 64. Software devices share the turns of loops out.
+            Self::Wide if !software => 128,
+            Self::Wide | Self::Shared => 64,
+        }
+    }
+
+    /// Elements that an invocation has on average.
+    fn elements_per_invocation(self, software: bool) -> u32 {
+        match self {
+            Self::Narrow | Self::Wide => 1,
+            Self::Shared if software => 2,
+            Self::Shared => 8,
+        }
+    }
+
+    /// Workgroups for so many elements.
+    pub(super) fn workgroups(self, count: u32, software: bool) -> u32 {
+        count.div_ceil(self.lanes(software) * self.elements_per_invocation(software))
+    }
+}
+
 /// Elements of one dispatch of a software device at most: also that many narrow workgroups are allowed.
 const MOST_SOFTWARE_ELEMENTS: usize = 65_472;
 /// The same of a hardware device: several times what the largest keeps in flight, and tenths of a second on a slow one.
@@ -176,8 +209,8 @@ const LOOP_TURNS: u32 = 65_535;
 /// have loops.
 const LAST_TURNS: u32 = 100;
 
-/// What the probe kernel answers instead of a number of hits where it ran out of loop turns.
-pub(super) const INCOMPLETE: u32 = u32::MAX;
+/// What stands instead of an answer where a kernel ran out of loop turns: what stood there before.
+pub(super) const INCOMPLETE: u32 = 0;
 
 /// The text of a kernel for Mesa's software renderer: it counts the turns of its loops, and has no uniform buffers.
 ///
@@ -189,9 +222,9 @@ pub(super) const INCOMPLETE: u32 = u32::MAX;
 ///
 /// What a branch finds in a uniform buffer that renderer takes for a constant of the kernel, which it then compiles anew for each value: half a
 /// minute for each scene and each sample. It reads them as storage buffers instead.
-pub fn software_source(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
+pub fn software_source(entry: Entry, specialisation: &Specialisation, grouping: Grouping) -> String {
     let mut text = String::new();
-    for line in kernel_text(entry, specialisation, lanes).lines() {
+    for line in kernel_text(entry, specialisation, grouping, true).lines() {
         let trimmed = line.trim_start();
         let opens_loop = ["for (", "while ", "loop {"].iter().any(|start| trimmed.starts_with(start));
         if opens_loop && line.ends_with('{') {
@@ -205,12 +238,12 @@ pub fn software_source(entry: Entry, specialisation: &Specialisation, lanes: u32
 }
 
 /// The whole text of a kernel.
-pub fn source(entry: Entry, specialisation: &Specialisation) -> String {
-    kernel_text(entry, specialisation, WIDE)
+pub fn source(entry: Entry, specialisation: &Specialisation, grouping: Grouping) -> String {
+    kernel_text(entry, specialisation, grouping, false)
 }
 
-fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> String {
-    let mut text = prelude(specialisation, lanes);
+fn kernel_text(entry: Entry, specialisation: &Specialisation, grouping: Grouping, software: bool) -> String {
+    let mut text = prelude(specialisation, grouping, software);
     text.push_str(include_str!("../../../shaders/types.wgsl"));
     text.push_str(include_str!("../../../shaders/entry/scene.wgsl"));
     text.push_str(entry.text());
@@ -221,9 +254,11 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, lanes: u32) -> Str
 }
 
 /// The constants that Rust owns.
-fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
+fn prelude(specialisation: &Specialisation, grouping: Grouping, software: bool) -> String {
+    let lanes = grouping.lanes(software);
     let words: [(&str, u32); 64] = [
         ("WORKGROUP_SIZE", lanes),
+        ("RAYS_PER_INVOCATION", grouping.elements_per_invocation(software)),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
@@ -250,7 +285,6 @@ fn prelude(specialisation: &Specialisation, lanes: u32) -> String {
         ("MAX_SHORT_OFFSET", trim_word::MAX_SHORT_OFFSET),
         ("WIDTH_BIAS", Band::WIDTH_BIAS),
         ("BY_V", Band::BY_V),
-        ("INCOMPLETE", INCOMPLETE),
         ("INCOMPLETE_PIXEL", pixels::INCOMPLETE),
         ("SEE_THROUGH", pixels::SEE_THROUGH),
         ("CAP", pixels::CAP),
@@ -352,8 +386,8 @@ const KINDS: [(&str, FaceKind); 6] = [
     ("NETS", FaceKind::Nets),
 ];
 
-/// Entry file, what the scene asks for, invocations in a workgroup.
-type PipelineKey = (Entry, Specialisation, u32);
+/// Entry file, what the scene asks for, how elements are shared out.
+type PipelineKey = (Entry, Specialisation, Grouping);
 
 /// Layouts and the pipelines made so far.
 pub(super) struct Kernels {
@@ -399,23 +433,23 @@ impl Gpu {
         scene: &GpuScene<'_>,
         exactness: Exactness,
         section: bool,
-        lanes: u32,
+        grouping: Grouping,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
         let of_scene = Specialisation::of(scene.scene.header, exactness);
         let mut specialisation = Specialisation { section, ..of_scene };
         if self.is_software() {
             specialisation = specialisation.widened();
         }
-        let key = (entry, specialisation, lanes);
+        let key = (entry, specialisation, grouping);
         let entry_point = entry.name();
         let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
         let text = if self.is_software() {
-            software_source(entry, &specialisation, lanes)
+            software_source(entry, &specialisation, grouping)
         } else {
-            source(entry, &specialisation)
+            source(entry, &specialisation, grouping)
         };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(entry_point),
@@ -450,14 +484,14 @@ impl Gpu {
         scene: &GpuScene<'_>,
         bind_group: &wgpu::BindGroup,
         count: u32,
-        lanes: u32,
+        grouping: Grouping,
     ) -> Result<(), GpuError> {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &scene.bind_group, &[]);
         pass.set_bind_group(1, bind_group, &[]);
-        pass.dispatch_workgroups(count.div_ceil(lanes), 1, 1);
+        pass.dispatch_workgroups(grouping.workgroups(count, self.is_software()), 1, 1);
         drop(pass);
         let commands = encoder.finish();
         self.check()?;

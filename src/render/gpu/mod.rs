@@ -16,7 +16,7 @@ mod trims;
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
 pub use held::HeldWork;
-pub use kernels::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
+pub use kernels::{Entry, FUNCTION_FILES, Grouping, PATH_FILES, Specialisation, software_source, source};
 pub use trims::TrimQuery;
 
 /// Why the GPU cannot be used, or could not finish.

@@ -3,9 +3,8 @@
 //! The state of each pixel stays on the device between dispatches, so that none runs long, however deep paths go. On a software device, which counts loop
 //! turns, a dispatch is one ray of each pixel.
 
-use super::kernels::{NARROW, WIDE};
 use super::picture::{GpuCamera, GpuSection, gpu_section, place_camera};
-use super::{Entry, Gpu, GpuError, GpuScene};
+use super::{Entry, Gpu, GpuError, GpuScene, Grouping};
 use crate::image::Film;
 use crate::render::cpu::path::{PathState, PathSum, path_reach};
 use crate::render::cpu::section::WorldSection;
@@ -153,20 +152,20 @@ impl Gpu {
         let uniform = self.create_uniform("path parameters", &parameters);
         let bind_group = self.bind(Entry::Paths, &[&uniform, texels, shares, &states, &sums]);
         let has_section = parameters.section.has_planes();
-        let mut lanes = WIDE;
+        let mut grouping = Grouping::Wide;
         loop {
-            let pipeline = self.pipeline(Entry::Paths, scene, options.exactness, has_section, lanes)?;
-            self.dispatch(&pipeline, scene, &bind_group, count, lanes)?;
+            let pipeline = self.pipeline(Entry::Paths, scene, options.exactness, has_section, grouping)?;
+            self.dispatch(&pipeline, scene, &bind_group, count, grouping)?;
             let found: Vec<PathSum> = self.read(&sums, pixels.len())?;
             let waits = |sum: &&PathSum| sum.is_done == 0 && sum.is_cut == 0;
             let is_cut = found.iter().any(|sum| sum.is_cut != 0);
             // A ray that runs out of turns beside others has all for itself in the next dispatch; what is cut then is given up.
-            if is_cut && lanes == WIDE {
-                lanes = NARROW;
+            if is_cut && grouping == Grouping::Wide {
+                grouping = Grouping::Narrow;
             } else if found.iter().find(waits).is_none() {
                 return Ok(found);
             } else {
-                lanes = WIDE;
+                grouping = Grouping::Wide;
             }
         }
     }

@@ -4,8 +4,8 @@
 //! device in the CPU tracer's order, then read back. Memory on the device does not depend on the picture's size. What is made of centres and samples
 //! is common to both tracers (`cpu::adaptive`).
 
-use super::kernels::{MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
-use super::{Entry, Gpu, GpuError, GpuScene};
+use super::kernels::MOST_HARDWARE_ELEMENTS;
+use super::{Entry, Gpu, GpuError, GpuScene, Grouping};
 use crate::image::{Film, Window};
 use crate::render::cpu::adaptive::{Centers, paint, with_margin};
 use crate::render::cpu::camera::pixel_key;
@@ -204,9 +204,9 @@ impl Shot<'_> {
 
     /// Runs the kernel, again with narrow workgroups where wide ones run out of loop turns.
     fn run(&self, parameters: RenderParameters, refined: &[Refined]) -> Result<Run, GpuError> {
-        let run = self.run_once(parameters, refined, WIDE)?;
+        let run = self.run_once(parameters, refined, Grouping::Wide)?;
         if run.centers.iter().any(|center| center.flags & INCOMPLETE != 0) {
-            return self.run_once(parameters, refined, NARROW);
+            return self.run_once(parameters, refined, Grouping::Narrow);
         }
         Ok(run)
     }
@@ -215,7 +215,7 @@ impl Shot<'_> {
         &self,
         mut parameters: RenderParameters,
         refined: &[Refined],
-        lanes: u32,
+        grouping: Grouping,
     ) -> Result<Run, GpuError> {
         let gpu = self.gpu;
         let count = parameters.pixel_count;
@@ -227,14 +227,14 @@ impl Shot<'_> {
             self.scene,
             self.options.exactness,
             parameters.section.count > 0,
-            lanes,
+            grouping,
         )?;
         let mut first_hits = vec![FirstHits::default(); count as usize];
         for sample in 0..parameters.samples {
             parameters.sample_index = sample;
             let uniform = gpu.create_uniform("render parameters", &parameters);
             let bind_group = gpu.bind(Entry::Render, &[&uniform, &asked, &colors, &centers]);
-            gpu.dispatch(&pipeline, self.scene, &bind_group, count, lanes)?;
+            gpu.dispatch(&pipeline, self.scene, &bind_group, count, grouping)?;
             if sample % SAMPLES_IN_FLIGHT == SAMPLES_IN_FLIGHT - 1 {
                 gpu.wait()?;
             }

@@ -4,8 +4,8 @@
 //! for hits is the kernel's. All hits are kept, however many a ray has: the kernel counts them and stores those that fit, and rays
 //! with more get a second pass with as much room as they were counted to need. Both passes meet the hits in the same order.
 
-use super::kernels::{INCOMPLETE, MOST_HARDWARE_ELEMENTS, NARROW, WIDE};
-use super::{Entry, Gpu, GpuError, GpuScene};
+use super::kernels::{INCOMPLETE, MOST_HARDWARE_ELEMENTS};
+use super::{Entry, Gpu, GpuError, GpuScene, Grouping};
 use crate::render::cpu::Kernel;
 use crate::render::cpu::hit::{finish_hit, hit_normal};
 use crate::render::cpu::probe::{consistent_hits, settled};
@@ -139,8 +139,8 @@ impl Gpu {
                     prepare::<f32>(ray, scene.scene.header).map(|prepared| Pending { index, prepared, slots })
                 })
                 .collect();
-            let cut_short = self.probe_twice(scene, &pending, wanted, WIDE, &mut answers)?;
-            let left = self.probe_twice(scene, &cut_short, wanted, NARROW, &mut answers)?;
+            let cut_short = self.probe_twice(scene, &pending, wanted, Grouping::Shared, &mut answers)?;
+            let left = self.probe_twice(scene, &cut_short, wanted, Grouping::Narrow, &mut answers)?;
             // What a software device gives up on, a few rays through poles, the twin answers.
             let given_up: Vec<Ray> = left.iter().map(|ray| rays[ray.index]).collect();
             let hits = match alone {
@@ -167,12 +167,12 @@ impl Gpu {
         scene: &GpuScene<'_>,
         pending: &[Pending],
         wanted: Wanted,
-        lanes: u32,
+        grouping: Grouping,
         answers: &mut Answers,
     ) -> Result<Vec<Pending>, GpuError> {
-        let (crowded, mut cut_short) = self.probe_batch(scene, pending, wanted, lanes, answers)?;
+        let (crowded, mut cut_short) = self.probe_batch(scene, pending, wanted, grouping, answers)?;
         for group in groups(&crowded) {
-            cut_short.extend(self.probe_batch(scene, group, wanted, lanes, answers)?.1);
+            cut_short.extend(self.probe_batch(scene, group, wanted, grouping, answers)?.1);
         }
         for ray in &mut cut_short {
             ray.slots = ray.slots.min(FIRST_SLOTS);
@@ -186,23 +186,25 @@ impl Gpu {
         scene: &GpuScene<'_>,
         pending: &[Pending],
         wanted: Wanted,
-        lanes: u32,
+        grouping: Grouping,
         answers: &mut Answers,
     ) -> Result<(Vec<Pending>, Vec<Pending>), GpuError> {
         let (mut crowded, mut cut_short) = (Vec::new(), Vec::new());
         if pending.is_empty() {
             return Ok((crowded, cut_short));
         }
-        let (hits, counts) = self.dispatch_rays(scene, pending, wanted, lanes)?;
+        let (hits, found) = self.dispatch_rays(scene, pending, wanted, grouping)?;
         let mut first_slot = 0;
         let mut met: Vec<(Pending, Vec<RawHit<f32>>)> = Vec::with_capacity(pending.len());
-        for (ray, &count) in pending.iter().zip(&counts) {
-            let kept = &hits[first_slot..first_slot + count.min(ray.slots) as usize];
+        for (ray, &answer) in pending.iter().zip(&found) {
+            let of_ray = &hits[first_slot..first_slot + ray.slots as usize];
             first_slot += ray.slots as usize;
-            if count == INCOMPLETE {
+            if answer == INCOMPLETE {
                 cut_short.push(*ray);
                 continue;
             }
+            let count = answer - 1;
+            let kept = &of_ray[..count.min(ray.slots) as usize];
             if count > ray.slots && ray.slots < BATCH_SLOTS {
                 crowded.push(Pending { slots: count.min(BATCH_SLOTS), ..*ray });
                 continue;
@@ -243,7 +245,7 @@ impl Gpu {
         scene: &GpuScene<'_>,
         pending: &[Pending],
         wanted: Wanted,
-        lanes: u32,
+        grouping: Grouping,
     ) -> Result<(Vec<ProbeHit>, Vec<u32>), GpuError> {
         let mut slots = 0;
         let rays: Vec<ProbeRay> = pending
@@ -254,13 +256,13 @@ impl Gpu {
                 probe_ray(ray, first_slot)
             })
             .collect();
-        let (bind_group, hits, counts) = self.bind_rays(&rays, slots, wanted.first_only);
-        let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, false, lanes)?;
-        self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, lanes)?;
-        Ok((self.read(&hits, slots as usize)?, self.read(&counts, rays.len())?))
+        let (bind_group, hits, found) = self.bind_rays(&rays, slots, wanted.first_only);
+        let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, false, grouping)?;
+        self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, grouping)?;
+        Ok((self.read(&hits, slots as usize)?, self.read(&found, rays.len())?))
     }
 
-    /// Rays on the device, and where their hits and the numbers of those go.
+    /// Rays on the device, and where their hits go, and for each [`INCOMPLETE`] or 1 + the number of its hits.
     pub(super) fn bind_rays(
         &self,
         rays: &[ProbeRay],
@@ -272,8 +274,8 @@ impl Gpu {
         let parameters = self.create_uniform("probe parameters", &parameters);
         let input = self.create_input("probe rays", bytemuck::cast_slice(rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
-        let counts = self.create_output("probe counts", 4 * rays.len() as u64);
-        (self.bind(Entry::Probe, &[&parameters, &input, &hits, &counts]), hits, counts)
+        let found = self.create_output("probe answers", 4 * rays.len() as u64);
+        (self.bind(Entry::Probe, &[&parameters, &input, &hits, &found]), hits, found)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether given points are inside trims: the kernels' trim queries alone, for tests and for the trimming study.
 
-use super::kernels::{INCOMPLETE, NARROW, WIDE};
-use super::{Entry, Gpu, GpuError, GpuScene};
+use super::kernels::INCOMPLETE;
+use super::{Entry, Gpu, GpuError, GpuScene, Grouping};
 use crate::render::Exactness;
 use bytemuck::{Pod, Zeroable};
 
@@ -33,14 +33,14 @@ impl Gpu {
     pub fn trim_inside(&self, scene: &GpuScene<'_>, queries: &[TrimQuery]) -> Result<Vec<bool>, GpuError> {
         let mut answers = Vec::with_capacity(queries.len());
         for batch in queries.chunks(self.most_elements()) {
-            let mut found = self.trim_batch(scene, batch, WIDE)?;
+            let mut found = self.trim_batch(scene, batch, Grouping::Wide)?;
             if found.contains(&INCOMPLETE) {
-                found = self.trim_batch(scene, batch, NARROW)?;
+                found = self.trim_batch(scene, batch, Grouping::Narrow)?;
             }
             if found.contains(&INCOMPLETE) {
                 return Err(GpuError::Incomplete);
             }
-            answers.extend(found.iter().map(|&answer| answer == 1));
+            answers.extend(found.iter().map(|&answer| answer == 2));
         }
         Ok(answers)
     }
@@ -49,11 +49,11 @@ impl Gpu {
         &self,
         scene: &GpuScene<'_>,
         queries: &[TrimQuery],
-        lanes: u32,
+        grouping: Grouping,
     ) -> Result<Vec<u32>, GpuError> {
         let (bind_group, answers) = self.bind_queries(queries);
-        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, lanes)?;
-        self.dispatch(&pipeline, scene, &bind_group, queries.len() as u32, lanes)?;
+        let pipeline = self.pipeline(Entry::Trim, scene, Exactness::Fast, false, grouping)?;
+        self.dispatch(&pipeline, scene, &bind_group, queries.len() as u32, grouping)?;
         self.read(&answers, queries.len())
     }
 
