@@ -24,7 +24,7 @@ struct Center {
     dark: vec3<f32>,
     open: f32,
     lit: vec3<f32>,
-    // INCOMPLETE where any of the pixel's kernels ran out of loop turns.
+    // INCOMPLETE where the kernel ran out of loop turns.
     flags: u32,
     // 1 + index; 0 where nothing is hit.
     instance: u32,
@@ -55,10 +55,22 @@ struct Refined {
     around: array<Neighbour, 5>,
 }
 
+// What the host needs of a sample's first hit.
+struct Shown {
+    // 1 + index; 0 where nothing is hit.
+    instance: u32,
+    face: u32,
+    // Of all samples; INCOMPLETE where any of the pixel's kernels ran out of loop turns.
+    flags: u32,
+    reserved: u32,
+}
+
 @group(1) @binding(0) var<uniform> parameters: RenderParameters;
 @group(1) @binding(1) var<storage, read> refined: array<Refined>;
+// Of samples: the sum of their colours, and what the last one showed first.
 @group(1) @binding(2) var<storage, read_write> colors: array<vec4<f32>>;
-@group(1) @binding(3) var<storage, read_write> centers: array<Center>;
+@group(1) @binding(3) var<storage, read_write> shown: array<Shown>;
+@group(1) @binding(4) var<storage, read_write> centers: array<Center>;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn render(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -81,13 +93,17 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
     if ray.meets {
         shaded = shade_layers(parameters.lights, parameters.section, ray, pixel, center_only, id.x);
     }
-    var center = centers[id.x];
     let hit = shaded.first.hit;
     let is_hit = shaded.first.count != 0u;
-    center.instance = select(0u, hit.instance + 1u, is_hit);
-    center.face = select(0u, hit.face + 1u, is_hit);
+    let instance = select(0u, hit.instance + 1u, is_hit);
+    let face = select(0u, hit.face + 1u, is_hit);
+    let incomplete = select(0u, INCOMPLETE_PIXEL, was_cut());
     if center_only {
+        var center: Center;
+        center.instance = instance;
+        center.face = face;
         center.open = shaded.open;
+        center.flags = incomplete;
         if is_hit {
             let t = ray.slide + (hit.distance.anchor + hit.distance.offset);
             center.normal = shaded.normal;
@@ -99,10 +115,10 @@ fn render(@builtin(global_invocation_id) id: vec3<u32>) {
             center.net = hit.net;
             center.uv = hit.uv;
         }
+        centers[id.x] = center;
     } else {
         colors[id.x] += shaded.color;
-        center.flags |= beside(shaded, offset, id.x);
+        let flags = shown[id.x].flags | beside(shaded, offset, id.x) | incomplete;
+        shown[id.x] = Shown(instance, face, flags, 0u);
     }
-    center.flags |= select(0u, INCOMPLETE_PIXEL, was_cut());
-    centers[id.x] = center;
 }

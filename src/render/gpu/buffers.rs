@@ -6,6 +6,7 @@
 use super::{Entry, Gpu, GpuError};
 use crate::render::cpu::ray_space::scene_radius;
 use crate::scene::Scene;
+use std::sync::{Arc, OnceLock, PoisonError};
 use wgpu::util::DeviceExt;
 
 /// The arrays that the kernels read, in the order of their bindings in group 0.
@@ -150,21 +151,26 @@ impl Gpu {
         buffer: &wgpu::Buffer,
         count: usize,
     ) -> Result<Vec<T>, GpuError> {
+        self.read_with(buffer, count, <[T]>::to_vec)
+    }
+
+    /// Shows the first `count` elements of an output buffer where the device has copied them to: without a copy of ours.
+    pub(super) fn read_with<T: bytemuck::Pod, R>(
+        &self,
+        buffer: &wgpu::Buffer,
+        count: usize,
+        use_of: impl FnOnce(&[T]) -> R,
+    ) -> Result<R, GpuError> {
         let size = (count * size_of::<T>()) as u64;
-        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
-            size,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let staging = self.take_staging(size);
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
-        let mapped = std::sync::Arc::new(std::sync::OnceLock::new());
+        let mapped = Arc::new(OnceLock::new());
         let commands = encoder.finish();
         self.check()?;
         self.run(commands)?;
-        let outcome = std::sync::Arc::clone(&mapped);
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+        let outcome = Arc::clone(&mapped);
+        staging.map_async(wgpu::MapMode::Read, ..size, move |result| {
             let _ = outcome.set(result);
         });
         self.wait()?;
@@ -173,10 +179,28 @@ impl Gpu {
             Some(Err(error)) => return Err(GpuError::Lost(error.to_string())),
             None => return Err(GpuError::Lost("a buffer was not mapped".to_owned())),
         }
-        let view = staging.slice(..).get_mapped_range().map_err(|error| GpuError::Lost(error.to_string()))?;
-        let mut values = vec![T::zeroed(); count];
-        bytemuck::cast_slice_mut::<T, u8>(&mut values).copy_from_slice(&view);
-        Ok(values)
+        let view =
+            staging.slice(..size).get_mapped_range().map_err(|error| GpuError::Lost(error.to_string()))?;
+        let values = bytemuck::try_cast_slice(&view)
+            .map_err(|error| GpuError::Lost(format!("memory is mapped to an odd place: {error}")))?;
+        let answer = use_of(values);
+        drop(view);
+        staging.unmap();
+        *self.staging.lock().unwrap_or_else(PoisonError::into_inner) = Some(staging);
+        Ok(answer)
+    }
+
+    /// Memory that both the device and the host reach: that of the read before, where it is large enough, as drivers take milliseconds to find some.
+    fn take_staging(&self, size: u64) -> wgpu::Buffer {
+        let kept = self.staging.lock().unwrap_or_else(PoisonError::into_inner).take();
+        kept.filter(|buffer| buffer.size() >= size).unwrap_or_else(|| {
+            self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("staging"),
+                size,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        })
     }
 }
 

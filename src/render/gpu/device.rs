@@ -42,6 +42,8 @@ pub struct Gpu {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     pub(super) kernels: Kernels,
+    /// What the last read copied to.
+    pub(super) staging: Mutex<Option<wgpu::Buffer>>,
     name: String,
     software: bool,
     failure: Arc<Mutex<Option<GpuError>>>,
@@ -72,6 +74,7 @@ impl Gpu {
             device,
             queue,
             kernels,
+            staging: Mutex::new(None),
             name: format!("{} ({})", info.name, info.backend),
             software,
             failure,

@@ -109,7 +109,7 @@ impl Entry {
     /// The storage buffers of group 1 after the uniform of binding 0; whether each is only read.
     fn storage_is_read_only(self) -> &'static [bool] {
         match self {
-            Self::Render => &[true, false, false],
+            Self::Render => &[true, false, false, false],
             Self::Paths => &[true, true, false, false],
             Self::Probe => &[true, false, false],
             Self::Trim => &[true, false],

@@ -18,6 +18,7 @@ use crate::render::{Camera, RenderOptions};
 use crate::scene::Header;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// `Camera` of `shaders/camera.wgsl`. 96 bytes.
@@ -115,9 +116,11 @@ impl Gpu {
         for first in (0..count).step_by(most) {
             let pixels = first as u32..(first + most).min(count) as u32;
             progress(first, count);
-            let found = shot.centers(pixels)?;
-            centers
-                .take(first, found.len(), eye_distance, |some| &found[some.start - first..some.end - first]);
+            shot.centers(pixels, |found| {
+                centers.take(first, found.len(), eye_distance, |some| {
+                    &found[some.start - first..some.end - first]
+                });
+            })?;
         }
         progress(count, count);
         let mut film = paint(centers, most, |refined| shot.samples(refined))?;
@@ -142,44 +145,60 @@ struct Shot<'a> {
 }
 
 impl Shot<'_> {
-    /// What the centres of a run of pixels show; depths are from the plane through the scene's centre.
-    fn centers(&self, pixels: Range<u32>) -> Result<Vec<Center>, GpuError> {
+    /// Tells what the centres of a run of pixels show; depths are from the plane through the scene's centre.
+    fn centers(&self, pixels: Range<u32>, take: impl FnOnce(&[Center])) -> Result<(), GpuError> {
         let parameters = RenderParameters {
             first_pixel: pixels.start,
             pixel_count: pixels.len() as u32,
             centers_only: 1,
             ..self.parameters()
         };
-        let mut centers = self.run(parameters, &[Refined::zeroed()])?.centers;
+        let is_cut = |center: &Center| center.flags & INCOMPLETE != 0;
+        let buffer = self.run_centers(parameters, Grouping::Wide)?;
+        let count = pixels.len();
+        if !self.gpu.is_software() {
+            return self.gpu.read_with(&buffer, count, take);
+        }
+        let mut centers: Vec<Center> = self.gpu.read(&buffer, count)?;
+        if centers.iter().any(is_cut) {
+            centers = self.gpu.read(&self.run_centers(parameters, Grouping::Narrow)?, count)?;
+        }
         // What a software device gives up on, a few pixels at poles, the twin renders.
-        let given_up: Vec<u32> =
-            pixels.clone().zip(&centers).filter(|(_, c)| c.flags & INCOMPLETE != 0).map(|(p, _)| p).collect();
+        let given_up: Vec<u32> = pixels
+            .clone()
+            .zip(&centers)
+            .filter(|(_, center)| is_cut(center))
+            .map(|(pixel, _)| pixel)
+            .collect();
         let eye_distance = self.eye_distance();
         let found = cpu::find_centers(&self.scene.scene, self.camera, self.options, &given_up);
         for (pixel, mut center) in given_up.into_iter().zip(found) {
             center.depth = (f64::from(center.depth) - eye_distance) as f32;
             centers[(pixel - pixels.start) as usize] = center;
         }
-        Ok(centers)
+        take(&centers);
+        Ok(())
+    }
+
+    fn run_centers(
+        &self,
+        parameters: RenderParameters,
+        grouping: Grouping,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let outputs = Outputs::new(self.gpu, 1, parameters.pixel_count);
+        let asked = self.gpu.create_input("refined pixels", bytemuck::bytes_of(&Refined::zeroed()));
+        let pipeline = self.pipeline(&parameters, grouping)?;
+        self.dispatch(&pipeline, &parameters, &asked, &outputs, grouping)?;
+        Ok(outputs.centers)
     }
 
     /// All samples of some pixels.
     fn samples(&self, refined: &[Refined]) -> Result<Vec<Sampled>, GpuError> {
-        let samples = self.options.samples.max(1);
-        let parameters = RenderParameters { pixel_count: refined.len() as u32, samples, ..self.parameters() };
-        let Run { sums, centers, first_hits } = self.run(parameters, refined)?;
-        let mean = |sum: [f32; 4]| sum.map(|component| component / samples as f32);
-        let mut sampled: Vec<Sampled> = sums
-            .into_iter()
-            .zip(&centers)
-            .zip(first_hits)
-            .map(|((sum, center), first_hits)| Sampled {
-                color: mean(sum),
-                flags: center.flags,
-                albedo: first_hits.albedo(samples),
-                matte: first_hits.shares(samples),
-            })
-            .collect();
+        let mut sampled = self.run_samples(refined, Grouping::Wide)?;
+        // Wide workgroups of software devices run out of loop turns, narrow ones at poles.
+        if sampled.iter().any(|one| one.flags & INCOMPLETE != 0) {
+            sampled = self.run_samples(refined, Grouping::Narrow)?;
+        }
         let given_up: Vec<usize> =
             (0..sampled.len()).filter(|&index| sampled[index].flags & INCOMPLETE != 0).collect();
         let asked: Vec<Refined> = given_up.iter().map(|&index| refined[index]).collect();
@@ -188,6 +207,67 @@ impl Shot<'_> {
             sampled[index] = one;
         }
         Ok(sampled)
+    }
+
+    fn run_samples(&self, refined: &[Refined], grouping: Grouping) -> Result<Vec<Sampled>, GpuError> {
+        let samples = self.options.samples.max(1);
+        let count = refined.len();
+        let mut parameters = RenderParameters { pixel_count: count as u32, samples, ..self.parameters() };
+        let outputs = Outputs::new(self.gpu, parameters.pixel_count, 1);
+        let asked = self.gpu.create_input("refined pixels", bytemuck::cast_slice(refined));
+        let pipeline = self.pipeline(&parameters, grouping)?;
+        let has_first_hits = self.options.layers.has_first_hits();
+        let mut first_hits = vec![FirstHits::default(); if has_first_hits { count } else { 0 }];
+        for sample in 0..samples {
+            parameters.sample_index = sample;
+            self.dispatch(&pipeline, &parameters, &asked, &outputs, grouping)?;
+            if sample % SAMPLES_IN_FLIGHT == SAMPLES_IN_FLIGHT - 1 {
+                self.gpu.wait()?;
+            }
+            if has_first_hits {
+                self.gpu.read_with(&outputs.shown, count, |shown: &[Shown]| {
+                    for (hits, shown) in first_hits.iter_mut().zip(shown).filter(|(_, s)| s.instance != 0) {
+                        hits.add(&self.scene.scene, shown.instance - 1, shown.face - 1);
+                    }
+                })?;
+            }
+        }
+        let sums: Vec<[f32; 4]> = self.gpu.read(&outputs.colors, count)?;
+        self.gpu.read_with(&outputs.shown, count, |shown: &[Shown]| {
+            let of_pixel = |(index, (sum, shown)): (usize, (&[f32; 4], &Shown))| {
+                let hits = first_hits.get(index);
+                Sampled {
+                    color: sum.map(|component| component / samples as f32),
+                    flags: shown.flags,
+                    albedo: hits.map_or_else(Default::default, |hits| hits.albedo(samples)),
+                    matte: hits.map_or_else(Default::default, |hits| hits.shares(samples)),
+                }
+            };
+            sums.par_iter().zip(shown).enumerate().map(of_pixel).collect()
+        })
+    }
+
+    fn pipeline(
+        &self,
+        parameters: &RenderParameters,
+        grouping: Grouping,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let has_section = parameters.section.has_planes();
+        self.gpu.pipeline(Entry::Render, self.scene, self.options.exactness, has_section, grouping)
+    }
+
+    fn dispatch(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        parameters: &RenderParameters,
+        asked: &wgpu::Buffer,
+        outputs: &Outputs,
+        grouping: Grouping,
+    ) -> Result<(), GpuError> {
+        let uniform = self.gpu.create_uniform("render parameters", parameters);
+        let Outputs { colors, shown, centers } = outputs;
+        let bind_group = self.gpu.bind(Entry::Render, &[&uniform, asked, colors, shown, centers]);
+        self.gpu.dispatch(pipeline, self.scene, &bind_group, parameters.pixel_count, grouping)
     }
 
     fn parameters(&self) -> RenderParameters {
@@ -201,62 +281,40 @@ impl Shot<'_> {
     fn eye_distance(&self) -> f64 {
         f64::from(self.placed.eye_distance)
     }
+}
 
-    /// Runs the kernel, again with narrow workgroups where wide ones run out of loop turns.
-    fn run(&self, parameters: RenderParameters, refined: &[Refined]) -> Result<Run, GpuError> {
-        let run = self.run_once(parameters, refined, Grouping::Wide)?;
-        if run.centers.iter().any(|center| center.flags & INCOMPLETE != 0) {
-            return self.run_once(parameters, refined, Grouping::Narrow);
-        }
-        Ok(run)
-    }
+/// What the kernel leaves, on the device.
+struct Outputs {
+    /// Of samples: sums.
+    colors: wgpu::Buffer,
+    /// Of samples: [`Shown`].
+    shown: wgpu::Buffer,
+    /// [`Center`].
+    centers: wgpu::Buffer,
+}
 
-    fn run_once(
-        &self,
-        mut parameters: RenderParameters,
-        refined: &[Refined],
-        grouping: Grouping,
-    ) -> Result<Run, GpuError> {
-        let gpu = self.gpu;
-        let count = parameters.pixel_count;
-        let asked = gpu.create_input("refined pixels", bytemuck::cast_slice(refined));
-        let colors = gpu.create_output("colors", size_of::<[f32; 4]>() as u64 * u64::from(count));
-        let centers = gpu.create_output("centers", size_of::<Center>() as u64 * u64::from(count));
-        let pipeline = gpu.pipeline(
-            Entry::Render,
-            self.scene,
-            self.options.exactness,
-            parameters.section.count > 0,
-            grouping,
-        )?;
-        let mut first_hits = vec![FirstHits::default(); count as usize];
-        for sample in 0..parameters.samples {
-            parameters.sample_index = sample;
-            let uniform = gpu.create_uniform("render parameters", &parameters);
-            let bind_group = gpu.bind(Entry::Render, &[&uniform, &asked, &colors, &centers]);
-            gpu.dispatch(&pipeline, self.scene, &bind_group, count, grouping)?;
-            if sample % SAMPLES_IN_FLIGHT == SAMPLES_IN_FLIGHT - 1 {
-                gpu.wait()?;
-            }
-            if self.options.layers.has_first_hits() && parameters.centers_only == 0 {
-                let found: Vec<Center> = gpu.read(&centers, count as usize)?;
-                for (hits, center) in first_hits.iter_mut().zip(found).filter(|(_, c)| c.instance != 0) {
-                    hits.add(&self.scene.scene, center.instance - 1, center.face - 1);
-                }
-            }
+impl Outputs {
+    /// Room for the samples of some pixels and for the centres of others, at least one of each: a kernel binds both.
+    fn new(gpu: &Gpu, sampled: u32, centers: u32) -> Self {
+        let room = |label, size, count| gpu.create_output(label, size as u64 * u64::from(count));
+        Self {
+            colors: room("colors", size_of::<[f32; 4]>(), sampled),
+            shown: room("shown", size_of::<Shown>(), sampled),
+            centers: room("centers", size_of::<Center>(), centers),
         }
-        let (sums, centers) = (gpu.read(&colors, count as usize)?, gpu.read(&centers, count as usize)?);
-        Ok(Run { sums, centers, first_hits })
     }
 }
 
-/// What the kernel leaves.
-struct Run {
-    sums: Vec<[f32; 4]>,
-    /// Of the last sample, where it is not centres that were asked for.
-    centers: Vec<Center>,
-    /// What the samples show first; nothing where nothing asks for it.
-    first_hits: Vec<FirstHits>,
+/// What samples show first: `Shown` of `shaders/entry/render.wgsl`. 16 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Shown {
+    /// 1 + index, of the last sample; 0 where nothing is hit.
+    instance: u32,
+    face: u32,
+    /// Of all samples.
+    flags: u32,
+    reserved: u32,
 }
 
 /// The camera at the plane through the scene's centre, or at the eye where that is in front of the plane; and how far that is from the
