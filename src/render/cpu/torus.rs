@@ -1,7 +1,8 @@
 //! Rays against tori, ring, horn and spindle.
 //!
-//! Ferrari's closed form loses half of f32's digits near tangents. Instead the line is cut at the zeros of the quartic's derivatives, found
-//! from the second derivative upwards; in each piece the quartic is monotone and has one root or none, which bracketed Newton steps find.
+//! Ferrari's closed form loses half of f32's digits near tangents. Instead the line is cut until each piece has one root or none, which bracketed Newton steps
+//! find. Halves do for most lines: Bernstein coefficients that change their sign once, or not at all, have as many roots. Other halves are cut at the zeros
+//! of the quartic's derivatives, found from the second derivative upwards; in each piece the quartic is monotone.
 //! All real roots are found, in order, or those that may lie in a span. The quartic itself is evaluated as the product of two differences that do not cancel,
 //! `((ρ − R)² + z² − r²) · ((ρ + R)² + z² − r²)` with ρ the distance from the axis; the coefficients serve the derivatives only.
 
@@ -27,8 +28,8 @@ struct Quartic<T> {
 
 /// Where `(√(x² + y²) − R)² + z² = r²`, its mirror through the axis included; those within the span at least, and none where none is.
 ///
-/// What a box leaves of a line is mostly monotone, so that two values say that there is nothing. Where there may be something the whole chord is cut, and what
-/// reaches into the span searched, for roots that are the same to the last bit whatever box led to them: of equal hits the lowest face's counts.
+/// What a box leaves of a line is mostly monotone, so that two values say that there is nothing. Where there may be something the halves of the whole chord are
+/// searched that reach into the span, for roots that are the same to the last bit whatever box led to them: of equal hits the lowest face's counts.
 pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, span: &Span<T>) -> Roots<T> {
     let mut roots = Roots::none();
     let size = major + minor;
@@ -52,7 +53,22 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
     if !(from < to && begin < end && may_have_roots(&quartic, begin, end)) {
         return roots;
     }
-    let cuts = critical_points(&quartic, from, to);
+    let middle = (from + to) * number(0.5);
+    for [low, high] in [[from, middle], [middle, to]] {
+        if high >= begin && low <= end {
+            roots_of_half(&quartic, [low, high], [begin, end], |t| roots.insert((t + slide) * size / length));
+        }
+    }
+    roots
+}
+
+/// The roots between two places, those within a span at least.
+fn roots_of_half<T: Real>(q: &Quartic<T>, [from, to]: [T; 2], [begin, end]: [T; 2], mut add: impl FnMut(T)) {
+    let cuts = match sign_changes(q, [from, to], [value(q, from), value(q, to)]) {
+        Some(0) => return,
+        Some(1) => Roots::none(),
+        _ => critical_points(q, from, to),
+    };
     let mut low = from;
     for i in 0..=cuts.count {
         let high = if i == cuts.count { to } else { cuts.t[i] };
@@ -60,17 +76,16 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
             low = high;
             continue;
         }
-        if let Some(t) = root_between(low, high, |t| value(&quartic, t), |t| slope(&quartic, t)) {
-            roots.insert((t + slide) * size / length);
+        if let Some(t) = root_between(low, high, |t| value(q, t), |t| slope(q, t)) {
+            add(t);
         }
         // A least value that is positive by rounding alone: the line touches.
-        if i < cuts.count && is_touching(&quartic, high) {
-            roots.insert((high + slide) * size / length);
-            roots.insert((high + slide) * size / length);
+        if i < cuts.count && is_touching(q, high) {
+            add(high);
+            add(high);
         }
         low = high;
     }
-    roots
 }
 
 /// Whether the quartic has another sign, or nearly, somewhere between two places than at the first.
@@ -80,15 +95,19 @@ fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
     if is_other(values[1]) {
         return true;
     }
-    if is_far_from_zero(q, [begin, end], values) {
+    if sign_changes(q, [begin, end], values) == Some(0) {
         return false;
+    }
+    if is_other(value(q, (begin + end) * number(0.5))) {
+        return true;
     }
     let cuts = critical_points(q, begin, end);
     cuts.t[..cuts.count].iter().any(|&t| is_other(value(q, t)) || is_touching(q, t))
 }
 
-/// Whether the quartic's Bernstein coefficients between two places, where it has the values `first` and `last`, say that it has no zero there: all are on one side of 0, by more than they are rounded.
-fn is_far_from_zero<T: Real>(q: &Quartic<T>, [begin, end]: [T; 2], [first, last]: [T; 2]) -> bool {
+/// How often the quartic's Bernstein coefficients between two places, where it has the values `first` and `last`, change their sign: it has as many zeros there,
+/// or fewer by an even number. `None` where one of them is so near to 0 that it is not known.
+fn sign_changes<T: Real>(q: &Quartic<T>, [begin, end]: [T; 2], [first, last]: [T; 2]) -> Option<usize> {
     let width = end - begin;
     // F is of degree four, so that its value and two derivatives at the one end and its value and slope at the other determine it.
     let quarter = width * number(0.25);
@@ -97,9 +116,11 @@ fn is_far_from_zero<T: Real>(q: &Quartic<T>, [begin, end]: [T; 2], [first, last]
     let third = curvature(q, begin) * width * width * number(1.0 / 12.0) + second * number(2.0) - first;
     // Coordinates are at most 1, the polynomial's coefficients some ten, and the five are sums of a dozen terms: roundings are below 200 ε.
     let margin = number::<T>(512.0) * T::EPSILON;
-    let least = first.min(second).min(third).min(fourth).min(last);
-    let greatest = first.max(second).max(third).max(fourth).max(last);
-    least > margin || greatest < -margin
+    let coefficients = [first, second, third, fourth, last];
+    if !coefficients.iter().all(|x| x.abs() > margin) {
+        return None;
+    }
+    Some(coefficients.windows(2).filter(|pair| (pair[0] > T::ZERO) != (pair[1] > T::ZERO)).count())
 }
 
 /// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
