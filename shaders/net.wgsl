@@ -7,7 +7,7 @@ const SQRT_EPSILON: f32 = 3.4526698e-4;
 // ∛EPSILON.
 const CBRT_EPSILON: f32 = 4.9215666e-3;
 const MAX_UNIQUE_STEPS: u32 = 10u;
-// Turns after which a search makes way for the walks of other invocations, where they share rays.
+// Turns after which a search makes way for the walks of other invocations, where they share rays. 4 and 16 are as fast within a few percent.
 const SEARCH_TURNS: u32 = 8u;
 const TANGENT_STEPS: u32 = 16u;
 const DAMPING_FACTOR: f32 = 8.0;
@@ -26,7 +26,7 @@ struct NetRoots {
     is_cut: bool,
 }
 
-// What `leaf_roots` found last. Here, as functions that return it would clear and copy it each time.
+// What the search in a leaf has found so far. Here, as functions that return it would clear and copy it each time.
 var<private> net_roots: NetRoots;
 
 struct Domain {
@@ -35,7 +35,6 @@ struct Domain {
 }
 
 struct LeafRay {
-    leaf: u32,
     domain: Domain,
     ray: PrimitiveRay,
     planes: RayPlanes,
@@ -93,7 +92,7 @@ struct LeafSearch {
     goes_on: bool,
 }
 
-fn start_leaf(leaf: u32, ray: PrimitiveRay, near: f32, far: f32, s: ptr<function, LeafSearch>) {
+fn start_leaf(leaf: u32, ray: PrimitiveRay, near: f32, far: f32, leaf_search: ptr<function, LeafSearch>) {
     net_roots.count = 0u;
     net_roots.is_cut = false;
     let hit = intersect_slab(leaf, ray, near, far);
@@ -105,8 +104,7 @@ fn start_leaf(leaf: u32, ray: PrimitiveRay, near: f32, far: f32, s: ptr<function
     let pole = leaf_pole(net, domain);
     let a = net_leaves[leaf].tangent_u;
     let b = net_leaves[leaf].tangent_v;
-    (*s).at = LeafRay(
-        leaf,
+    (*leaf_search).at = LeafRay(
         domain,
         ray,
         ray_planes(ray),
@@ -120,49 +118,49 @@ fn start_leaf(leaf: u32, ray: PrimitiveRay, near: f32, far: f32, s: ptr<function
         greatest(net_leaves[leaf].center),
         greatest(a) + greatest(b),
     );
-    (*s).hit = hit;
-    (*s).isolating = EXACTNESS == EXACT && !hit.unique && (*s).at.has_bend;
-    (*s).kind = select(OPEN, UNIQUE, hit.unique);
-    (*s).cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
+    (*leaf_search).hit = hit;
+    (*leaf_search).isolating = EXACTNESS == EXACT && !hit.unique && (*leaf_search).at.has_bend;
+    (*leaf_search).kind = select(OPEN, UNIQUE, hit.unique);
+    (*leaf_search).cell = Cell(vec2<u32>(0u), vec2<u32>(0u), 0u);
     let starts = fixed_starts(hit);
-    (*s).next_start = starts.x;
-    (*s).starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, (*s).isolating);
-    (*s).is_new = true;
-    (*s).goes_on = true;
-    if RAYS_PER_INVOCATION == 1u {
+    (*leaf_search).next_start = starts.x;
+    (*leaf_search).starts_left = select(starts.y - starts.x, MAX_ISOLATION_CELLS, (*leaf_search).isolating);
+    (*leaf_search).is_new = true;
+    (*leaf_search).goes_on = true;
+    if !SHARES_RAYS {
         // Here, so that no register is kept for what is left of a search.
-        search_leaf(s);
+        search_leaf(leaf_search);
     }
 }
 
 // The twin's loops over cells, starts and steps are one loop here, so that `net_jet` stands once: drivers copy a function's whole text to
 // each of its calls, and invocations that look at cells and others that take steps evaluate together.
-fn search_leaf(s: ptr<function, LeafSearch>) {
-    let at = (*s).at;
-    var search = (*s).search;
-    var cell = (*s).cell;
-    var is_new = (*s).is_new;
-    var starts_left = (*s).starts_left;
+fn search_leaf(leaf_search: ptr<function, LeafSearch>) {
+    let at = (*leaf_search).at;
+    var search = (*leaf_search).search;
+    var cell = (*leaf_search).cell;
+    var is_new = (*leaf_search).is_new;
+    var starts_left = (*leaf_search).starts_left;
     var goes_on = true;
     var turns_left = SEARCH_TURNS;
-    while goes_on && (RAYS_PER_INVOCATION == 1u || turns_left > 0u) {
+    while goes_on && (!SHARES_RAYS || turns_left > 0u) {
         turns_left -= 1u;
         if is_new {
             if starts_left == 0u {
-                net_roots.is_cut = (*s).isolating;
+                net_roots.is_cut = (*leaf_search).isolating;
                 goes_on = false;
                 break;
             }
             starts_left -= 1u;
-            if (*s).isolating {
+            if (*leaf_search).isolating {
                 search = search_from(cell_center(cell, at.domain), OPEN, 1.0, true);
             } else {
-                search = search_from(fixed_start((*s).hit, (*s).next_start, at.domain), (*s).kind, 1.0, true);
-                (*s).next_start += 1u;
+                search = search_from(fixed_start((*leaf_search).hit, (*leaf_search).next_start, at.domain), (*leaf_search).kind, 1.0, true);
+                (*leaf_search).next_start += 1u;
             }
         }
         let jet = net_jet(at.first_point, at.degrees, at.ray.origin, search.uv);
-        if (*s).isolating && is_new {
+        if (*leaf_search).isolating && is_new {
             let verdict = examine(jet, at, cell);
             if verdict.splits {
                 cell = first_part(cell, at.pole, verdict.quarters);
@@ -173,15 +171,15 @@ fn search_leaf(s: ptr<function, LeafSearch>) {
             advance(jet, at, &search);
         }
         is_new = !search.goes_on;
-        if (*s).isolating && is_new {
+        if (*leaf_search).isolating && is_new {
             goes_on = next_cell(&cell, at.pole);
         }
     }
-    (*s).search = search;
-    (*s).cell = cell;
-    (*s).is_new = is_new;
-    (*s).starts_left = starts_left;
-    (*s).goes_on = goes_on;
+    (*leaf_search).search = search;
+    (*leaf_search).cell = cell;
+    (*leaf_search).is_new = is_new;
+    (*leaf_search).starts_left = starts_left;
+    (*leaf_search).goes_on = goes_on;
 }
 
 // The first start, and the one after the last.

@@ -12,6 +12,12 @@ struct Quartic {
     c0: f32,
 }
 
+// An end of a piece, and what the function is there.
+struct End {
+    t: f32,
+    f: f32,
+}
+
 struct Bracket {
     t: f32,
     found: bool,
@@ -33,33 +39,37 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
     var bounds = vec2<f32>(-half_chord, half_chord);
     let q = quartic(origin, direction, major / size, minor / size);
     clip_to_slab(&bounds, origin.z, direction.z, q.minor + 16.0 * EPSILON);
-    if !(bounds.x < bounds.y) || sign_changes(q, bounds.x, bounds.y) == 0u {
+    if !(bounds.x < bounds.y) {
         return roots;
     }
     let middle = (bounds.x + bounds.y) * 0.5;
+    var low = End(bounds.x, value(q, bounds.x));
     for (var half = 0u; half < 2u; half++) {
-        var low = select(bounds.x, middle, half == 1u);
-        let end = select(middle, bounds.y, half == 1u);
-        let changes = sign_changes(q, low, end);
+        let t_last = select(middle, bounds.y, half == 1u);
+        let last = End(t_last, value(q, t_last));
+        let changes = sign_changes(q, low, last);
         if changes == 0u {
+            low = last;
             continue;
         }
         var cuts = no_roots();
         if changes != 1u {
-            cuts = critical_points(q, low, end);
+            cuts = critical_points(q, low.t, last.t);
         }
         for (var i = 0u; i <= cuts.count; i++) {
-            var high = end;
-            if i < cuts.count {
-                high = next_root(&cuts);
+            let is_cut = i < cuts.count;
+            var high = last;
+            if is_cut {
+                let t = next_root(&cuts);
+                high = End(t, value(q, t));
             }
             let root = root_between(low, high, q, false);
             if root.found {
                 insert(&roots, (root.t + slide) * size / norm);
             }
-            if i < cuts.count && is_touching(q, high) {
-                insert(&roots, (high + slide) * size / norm);
-                insert(&roots, (high + slide) * size / norm);
+            if is_cut && is_touching(q, high) {
+                insert(&roots, (high.t + slide) * size / norm);
+                insert(&roots, (high.t + slide) * size / norm);
             }
             low = high;
         }
@@ -67,30 +77,28 @@ fn torus_roots(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Roots {
     return roots;
 }
 
-// Where the twin says `None`.
-const UNKNOWN: u32 = 5u;
+// What `sign_changes` answers where the twin says `None`.
+const UNKNOWN_CHANGES: u32 = 5u;
 
-fn sign_changes(q: Quartic, begin: f32, end: f32) -> u32 {
-    let width = end - begin;
-    let first = value(q, begin);
-    let last = value(q, end);
-    let second = first + slope(q, begin) * width * 0.25;
-    let fourth = last - slope(q, end) * width * 0.25;
-    let third = curvature(q, begin) * width * width * (1.0 / 12.0) + second * 2.0 - first;
+fn sign_changes(q: Quartic, begin: End, end: End) -> u32 {
+    let width = end.t - begin.t;
+    let second = begin.f + slope(q, begin.t) * width * 0.25;
+    let fourth = end.f - slope(q, end.t) * width * 0.25;
+    let third = curvature(q, begin.t) * width * width * (1.0 / 12.0) + second * 2.0 - begin.f;
     let margin = 512.0 * EPSILON;
-    let four = vec4<f32>(first, second, third, fourth);
-    if !(all(abs(four) > vec4<f32>(margin)) && abs(last) > margin) {
-        return UNKNOWN;
+    let four = vec4<f32>(begin.f, second, third, fourth);
+    if !(all(abs(four) > vec4<f32>(margin)) && abs(end.f) > margin) {
+        return UNKNOWN_CHANGES;
     }
-    let differ = (four > vec4<f32>(0.0)) != (vec4<f32>(second, third, fourth, last) > vec4<f32>(0.0));
+    let differ = (four > vec4<f32>(0.0)) != (vec4<f32>(second, third, fourth, end.f) > vec4<f32>(0.0));
     let counts = select(vec4<u32>(0u), vec4<u32>(1u), differ);
     return counts.x + counts.y + counts.z + counts.w;
 }
 
-fn is_touching(q: Quartic, t: f32) -> bool {
-    let least = value(q, t);
+fn is_touching(q: Quartic, end: End) -> bool {
+    let least = end.f;
     let reach = 1.0 + q.major;
-    return least > 0.0 && least <= 4.0 * EPSILON * q.minor * reach * reach && curvature(q, t) > 0.0;
+    return least > 0.0 && least <= 4.0 * EPSILON * q.minor * reach * reach && curvature(q, end.t) > 0.0;
 }
 
 fn quartic(o: vec3<f32>, d: vec3<f32>, major: f32, minor: f32) -> Quartic {
@@ -152,12 +160,13 @@ fn critical_points(q: Quartic, bounds_from: f32, bounds_to: f32) -> Roots {
         }
     }
     var critical = no_roots();
-    var low = bounds_from;
+    var low = End(bounds_from, slope(q, bounds_from));
     for (var i = 0u; i <= inflections.count; i++) {
-        var high = bounds_to;
+        var t = bounds_to;
         if i < inflections.count {
-            high = next_root(&inflections);
+            t = next_root(&inflections);
         }
+        let high = End(t, slope(q, t));
         let root = root_between(low, high, q, true);
         if root.found {
             insert(&critical, root.t);
@@ -168,18 +177,11 @@ fn critical_points(q: Quartic, bounds_from: f32, bounds_to: f32) -> Roots {
 }
 
 // The twin takes the function and its derivative: here the quartic's slope and curvature, or its value and slope.
-fn root_between(from_t: f32, to_t: f32, q: Quartic, of_slope: bool) -> Bracket {
-    var low = from_t;
-    var high = to_t;
-    var f_low: f32;
-    var f_high: f32;
-    if of_slope {
-        f_low = slope(q, low);
-        f_high = slope(q, high);
-    } else {
-        f_low = value(q, low);
-        f_high = value(q, high);
-    }
+fn root_between(begin: End, end: End, q: Quartic, of_slope: bool) -> Bracket {
+    var low = begin.t;
+    var high = end.t;
+    let f_low = begin.f;
+    let f_high = end.f;
     let rising = f_low < 0.0 || (f_low == 0.0 && f_high > 0.0);
     if (rising && !(f_high > 0.0)) || (!rising && !(f_high < 0.0)) {
         return Bracket(0.0, false);

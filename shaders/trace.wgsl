@@ -1,6 +1,6 @@
 // From a world ray to hits; the twin of render/cpu/trace.rs, without its short way for one instance.
 //
-// Where the twin takes a closure, each entry file defines `accept`: it sees every hit and may narrow `far`.
+// Where the twin takes a closure, each entry file defines `accept`: it sees every hit and may narrow `far`; and `next_ray`, for the end of a ray.
 
 struct RawHit {
     distance: Distance,
@@ -71,11 +71,11 @@ fn trace(first_ray: WorldRay, first_near: Distance, collected: ptr<function, Col
     var net = NO_NET;
     var leaf = 0u;
     var anchor = 0.0;
-    var search: LeafSearch;
+    var leaf_search: LeafSearch;
     loop {
         var carrier: CarrierRay;
         var carrier_t = no_roots();
-        if !HAS_NETS || RAYS_PER_INVOCATION == 1u || !search.goes_on {
+        if !HAS_NETS || !SHARES_RAYS || !leaf_search.goes_on {
             var word = NO_PRIMITIVE;
             loop {
                 let nearest = beyond(near, boxes_anchor);
@@ -117,13 +117,15 @@ fn trace(first_ray: WorldRay, first_near: Distance, collected: ptr<function, Col
                 face = nets[net].face;
                 let near_leaf = approach_point(part_ray, face, net_leaves[leaf].center);
                 anchor = near_leaf.anchor;
-                start_leaf(leaf, near_leaf, beyond(near, anchor), beyond((*collected).far, anchor), &search);
-            } else if HAS_CARRIERS && is_face {
+                start_leaf(leaf, near_leaf, beyond(near, anchor), beyond((*collected).far, anchor), &leaf_search);
+            } else {
                 net = NO_NET;
-                face = word;
-                carrier = carrier_ray(part_ray, face);
-                anchor = carrier.anchor;
-                carrier_t = carrier_roots(carrier);
+                if HAS_CARRIERS && is_face {
+                    face = word;
+                    carrier = carrier_ray(part_ray, face);
+                    anchor = carrier.anchor;
+                    carrier_t = carrier_roots(carrier);
+                }
             }
         }
         let is_leaf = HAS_NETS && net != NO_NET;
@@ -131,9 +133,9 @@ fn trace(first_ray: WorldRay, first_near: Distance, collected: ptr<function, Col
         if is_leaf {
             count = net_roots.count;
         }
-        if RAYS_PER_INVOCATION > 1u && search.goes_on {
-            search_leaf(&search);
-            count = select(net_roots.count, 0u, search.goes_on);
+        if SHARES_RAYS && leaf_search.goes_on {
+            search_leaf(&leaf_search);
+            count = select(net_roots.count, 0u, leaf_search.goes_on);
         }
         for (var i = 0u; i < count; i++) {
             var distance = Distance(anchor, 0.0);

@@ -157,10 +157,8 @@ fn bvh_node_agrees() {
 
 #[test]
 fn kernels_validate() {
-    let groupings = [Grouping::Narrow, Grouping::Wide, Grouping::Shared];
-    for (entry, grouping) in
-        Entry::ALL.into_iter().flat_map(|entry| groupings.map(|grouping| (entry, grouping)))
-    {
+    let all = Entry::ALL.into_iter().flat_map(|entry| [(entry, Grouping::Narrow), (entry, Grouping::Wide)]);
+    for (entry, grouping) in all.chain([(Entry::Probe, Grouping::Shared)]) {
         for specialisation in &SPECIALISATIONS {
             let text = software_source(entry, specialisation, grouping);
             naga::front::wgsl::parse_str(&text)

@@ -3,7 +3,9 @@
 struct ProbeParameters {
     ray_count: u32,
     first_only: u32,
-    reserved: vec2<u32>,
+    // Rays of a workgroup, at least as many as it has invocations.
+    rays_per_group: u32,
+    reserved: u32,
 }
 
 struct ProbeRay {
@@ -75,17 +77,17 @@ fn next_ray(ray: ptr<function, WorldRay>, near: ptr<function, Distance>, collect
     if !was_cut() {
         answers[ray_index] = 1u + (*collected).count;
     }
-    if RAYS_PER_INVOCATION == 1u {
+    if !SHARES_RAYS {
         return false;
     }
     let taken = atomicAdd(&rays_taken, 1u);
-    return taken < WORKGROUP_SIZE * RAYS_PER_INVOCATION && take_ray(first_of_group + taken, ray, near, collected);
+    return taken < parameters.rays_per_group && take_ray(first_of_group + taken, ray, near, collected);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn probe(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    first_of_group = group.x * (WORKGROUP_SIZE * RAYS_PER_INVOCATION);
-    if RAYS_PER_INVOCATION > 1u {
+    first_of_group = group.x * parameters.rays_per_group;
+    if SHARES_RAYS {
         if lane == 0u {
             atomicStore(&rays_taken, WORKGROUP_SIZE);
         }

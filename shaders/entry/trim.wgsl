@@ -35,7 +35,7 @@ fn trim(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let query = queries[id.x];
     let point = trim_point(query.root, query.uv, vec2<f32>(-1.0));
-    if turns <= MOST_TURNS {
+    if !was_cut() {
         answers[id.x] = select(ANSWER_OUTSIDE, ANSWER_INSIDE, point.inside);
     }
 }

@@ -18,7 +18,7 @@ fn held_work_finds_what_other_work_finds() {
     // Those that pass by stay behind.
     let beside = rays[0].origin * 1e3;
     rays.push(trimray::render::Ray { origin: beside, direction: beside.any_orthogonal_vector() });
-    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+    let found = [Coherence::Coherent, Coherence::Incoherent].map(|coherence| {
         let held = gpu.hold_rays(&on_gpu, &rays, Exactness::default(), coherence).unwrap();
         gpu.run_held(&on_gpu, &held, 2).unwrap();
         let found = gpu.count_held(&held).unwrap();
@@ -26,7 +26,13 @@ fn held_work_finds_what_other_work_finds() {
         assert_eq!(held.count(), 3_000);
         // What is not certain to be a hit is looked at again on the way back, and a software device gives up on some.
         assert!(expected > 100 && found.abs_diff(expected) <= expected / 50, "{found} {expected}");
-    }
+        gpu.held_answers(&held).unwrap()
+    });
+    // Shared out or not, a ray finds what it finds, but for a device that gives up, and for compilers that round otherwise.
+    let both = found[0].iter().zip(&found[1]).filter(|&(&one, &other)| one != 0 && other != 0);
+    let (same, differ): (Vec<_>, Vec<_>) = both.partition(|(one, other)| one == other);
+    eprintln!("{} answers of both are the same, {} differ", same.len(), differ.len());
+    assert!(same.len() > 2_900 && differ.len() <= 3, "{} {differ:?}", same.len());
 
     let roots: Vec<u32> =
         scene.faces.iter().map(|face| face.trim_root).filter(|&root| root != TRIM_INSIDE).collect();

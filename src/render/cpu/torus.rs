@@ -53,38 +53,48 @@ pub fn torus_roots<T: Real>(o: Vector3<T>, d: Vector3<T>, major: T, minor: T, sp
     if !(from < to && begin < end && may_have_roots(&quartic, begin, end)) {
         return roots;
     }
-    let middle = (from + to) * number(0.5);
-    for [low, high] in [[from, middle], [middle, to]] {
+    let places = [from, (from + to) * number(0.5), to];
+    let values = places.map(|t| value(&quartic, t));
+    for half in 0..2 {
+        let [low, high] = [places[half], places[half + 1]];
         if high >= begin && low <= end {
-            roots_of_half(&quartic, [low, high], [begin, end], |t| roots.insert((t + slide) * size / length));
+            let values = [values[half], values[half + 1]];
+            let add = |t| roots.insert((t + slide) * size / length);
+            roots_of_half(&quartic, [low, high], values, [begin, end], add);
         }
     }
     roots
 }
 
-/// The roots between two places, those within a span at least.
-fn roots_of_half<T: Real>(q: &Quartic<T>, [from, to]: [T; 2], [begin, end]: [T; 2], mut add: impl FnMut(T)) {
-    let cuts = match sign_changes(q, [from, to], [value(q, from), value(q, to)]) {
+/// The roots between two places, where the quartic has the values `first` and `last`; those within a span at least.
+fn roots_of_half<T: Real>(
+    q: &Quartic<T>,
+    [from, to]: [T; 2],
+    [first, last]: [T; 2],
+    [begin, end]: [T; 2],
+    mut add: impl FnMut(T),
+) {
+    let cuts = match sign_changes(q, [from, to], [first, last]) {
         Some(0) => return,
         Some(1) => Roots::none(),
         _ => critical_points(q, from, to),
     };
-    let mut low = from;
+    let (mut low, mut f_low) = (from, first);
     for i in 0..=cuts.count {
-        let high = if i == cuts.count { to } else { cuts.t[i] };
-        if high < begin || low > end {
-            low = high;
+        let (high, f_high) = if i == cuts.count { (to, last) } else { (cuts.t[i], value(q, cuts.t[i])) };
+        let piece = [(low, f_low), (high, f_high)];
+        (low, f_low) = (high, f_high);
+        if high < begin || piece[0].0 > end {
             continue;
         }
-        if let Some(t) = root_between(low, high, |t| value(q, t), |t| slope(q, t)) {
+        if let Some(t) = root_between(piece, |t| value(q, t), |t| slope(q, t)) {
             add(t);
         }
         // A least value that is positive by rounding alone: the line touches.
-        if i < cuts.count && is_touching(q, high) {
+        if i < cuts.count && is_touching(q, high, f_high) {
             add(high);
             add(high);
         }
-        low = high;
     }
 }
 
@@ -102,7 +112,10 @@ fn may_have_roots<T: Real>(q: &Quartic<T>, begin: T, end: T) -> bool {
         return true;
     }
     let cuts = critical_points(q, begin, end);
-    cuts.t[..cuts.count].iter().any(|&t| is_other(value(q, t)) || is_touching(q, t))
+    cuts.t[..cuts.count].iter().any(|&t| {
+        let value = value(q, t);
+        is_other(value) || is_touching(q, t, value)
+    })
 }
 
 /// How often the quartic's Bernstein coefficients between two places, where it has the values `first` and `last`, change their sign: it has as many zeros there,
@@ -123,10 +136,9 @@ fn sign_changes<T: Real>(q: &Quartic<T>, [begin, end]: [T; 2], [first, last]: [T
     Some(coefficients.windows(2).filter(|pair| (pair[0] > T::ZERO) != (pair[1] > T::ZERO)).count())
 }
 
-/// Whether the zero `t` of the slope is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
+/// Whether the zero `t` of the slope, where the quartic is `least`, is a minimum that roundings keep from 0. Coordinates are at most 1, so that the first factor of the value is off by
 /// some `ε r`, and the second is at most `(1 + R)²`.
-fn is_touching<T: Real>(q: &Quartic<T>, t: T) -> bool {
-    let least = value(q, t);
+fn is_touching<T: Real>(q: &Quartic<T>, t: T, least: T) -> bool {
     let reach = T::ONE + q.major;
     least > T::ZERO
         && least <= number::<T>(4.0) * T::EPSILON * q.minor * reach * reach
@@ -192,10 +204,11 @@ fn critical_points<T: Real>(q: &Quartic<T>, from: T, to: T) -> Roots<T> {
         }
     }
     let mut critical = Roots::none();
-    let mut low = from;
+    let mut low = (from, slope(q, from));
     for i in 0..=inflections.count {
         let high = if i == inflections.count { to } else { inflections.t[i] };
-        if let Some(t) = root_between(low, high, |t| slope(q, t), |t| curvature(q, t)) {
+        let high = (high, slope(q, high));
+        if let Some(t) = root_between([low, high], |t| slope(q, t), |t| curvature(q, t)) {
             critical.insert(t);
         }
         low = high;
@@ -203,12 +216,14 @@ fn critical_points<T: Real>(q: &Quartic<T>, from: T, to: T) -> Roots<T> {
     critical
 }
 
-/// The zero of `f`, monotone between `low` and `high`; `None` where the signs at both ends agree. A zero at `low` counts, one at `high` does
-/// not: it belongs to the next piece.
+/// The zero of `f`, which has one at most between two places, given with what it is there; `None` where the signs at both ends agree. A zero at the first place
+/// counts, one at the second does not: it belongs to the next piece.
 #[inline]
-fn root_between<T: Real>(low: T, high: T, f: impl Fn(T) -> T, derivative: impl Fn(T) -> T) -> Option<T> {
-    let (mut low, mut high) = (low, high);
-    let (f_low, f_high) = (f(low), f(high));
+fn root_between<T: Real>(
+    [(mut low, f_low), (mut high, f_high)]: [(T, T); 2],
+    f: impl Fn(T) -> T,
+    derivative: impl Fn(T) -> T,
+) -> Option<T> {
     let rising = f_low < T::ZERO || (f_low == T::ZERO && f_high > T::ZERO);
     if rising && !(f_high > T::ZERO) || !rising && !(f_high < T::ZERO) {
         return None;

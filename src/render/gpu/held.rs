@@ -61,7 +61,7 @@ impl Gpu {
                 continue;
             }
             let count = rays.len() as u32;
-            let (bind_group, _, answers) = self.bind_rays(&rays, count, true);
+            let (bind_group, _, answers) = self.bind_rays(&rays, count, true, grouping);
             batches.push(Batch { bind_group, count, answers });
         }
         self.check()?;
@@ -92,6 +92,9 @@ impl Gpu {
     /// The device's own.
     pub fn run_held(&self, scene: &GpuScene<'_>, work: &HeldWork, times: usize) -> Result<(), GpuError> {
         let mut encoder = self.device.create_command_encoder(&Default::default());
+        for batch in &work.batches {
+            encoder.clear_buffer(&batch.answers, 0, None);
+        }
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&work.pipeline);
         pass.set_bind_group(0, &scene.bind_group, &[]);
@@ -110,11 +113,17 @@ impl Gpu {
     ///
     /// The device's own.
     pub fn count_held(&self, work: &HeldWork) -> Result<u64, GpuError> {
-        let mut found = 0;
-        for batch in &work.batches {
-            let answers: Vec<u32> = self.read(&batch.answers, batch.count as usize)?;
-            found += answers.iter().filter(|&&answer| answer > 1).count() as u64;
-        }
-        Ok(found)
+        Ok(self.held_answers(work)?.into_iter().filter(|&answer| answer > 1).count() as u64)
+    }
+
+    /// What has been found for each element in the last run: 0 where a software device gave up, 1 for a ray without hits or a point outside, more for others.
+    ///
+    /// # Errors
+    ///
+    /// The device's own.
+    pub fn held_answers(&self, work: &HeldWork) -> Result<Vec<u32>, GpuError> {
+        let of_batches: Result<Vec<Vec<u32>>, GpuError> =
+            work.batches.iter().map(|batch| self.read(&batch.answers, batch.count as usize)).collect();
+        Ok(of_batches?.concat())
     }
 }

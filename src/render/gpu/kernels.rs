@@ -1,4 +1,4 @@
-//! The kernels: WGSL files put together, one pipeline for each entry file and specialisation.
+//! The kernels: WGSL files put together, one pipeline for each entry file, specialisation and grouping.
 //!
 //! A source text is a generated prelude of constants, `types.wgsl`, an entry file with the bindings and entry points, and the
 //! function files, which are the twins of `render/cpu`. WGSL does not mind the order of declarations, so nothing is ever included
@@ -41,24 +41,29 @@ impl Grouping {
         }
     }
 
-    /// Elements that an invocation has on average.
-    fn elements_per_invocation(self, software: bool) -> u32 {
-        match self {
+    /// Elements of a workgroup, of so many in all.
+    pub(super) fn elements_per_group(self, count: u32, software: bool) -> u32 {
+        let per_invocation = match self {
             Self::Narrow | Self::Wide => 1,
             Self::Shared if software => 2,
-            Self::Shared => 8,
-        }
+            Self::Shared => (count / SHARED_INVOCATIONS).clamp(1, MOST_SHARED_ELEMENTS),
+        };
+        self.lanes(software) * per_invocation
     }
 
     /// Workgroups for so many elements.
     pub(super) fn workgroups(self, count: u32, software: bool) -> u32 {
-        count.div_ceil(self.lanes(software) * self.elements_per_invocation(software))
+        count.div_ceil(self.elements_per_group(count, software))
     }
 }
 
+/// Invocations among which elements are shared out before one has several: more than large devices keep in flight.
+const SHARED_INVOCATIONS: u32 = 1 << 16;
+/// Elements that an invocation has on average at most: with 16 an H200 traces as many rays a second.
+const MOST_SHARED_ELEMENTS: u32 = 8;
 /// Elements of one dispatch of a software device at most: also that many narrow workgroups are allowed.
 const MOST_SOFTWARE_ELEMENTS: usize = 65_472;
-/// The same of a hardware device: several times what the largest keeps in flight, and tenths of a second on a slow one.
+/// The same of a hardware device: more than the largest keeps in flight, and tenths of a second on a slow one.
 pub(super) const MOST_HARDWARE_ELEMENTS: usize = 1 << 19;
 
 /// An entry file.
@@ -218,7 +223,7 @@ pub(super) const INCOMPLETE: u32 = 0;
 /// keep count, end them themselves before that and say so. The invocations of a workgroup may share the limit, whose turns fall on different times: of a
 /// wide one each has a sixty-fourth for certain, of a narrow one all; and one that has used up its own must not go on with that of others, whose
 /// hits would be lost without a word. Loops that the compiler unrolls are free, but it makes some of its own, and lanes without an invocation may run
-/// along: so the count alone is not enough, and a last loop at the end of the kernel (`was_cut`) tells whether loops go on still.
+/// along: so the count alone is not enough, and a last loop (`was_cut`) at the end of the kernel, or of each ray, tells whether loops go on still.
 ///
 /// What a branch finds in a uniform buffer that renderer takes for a constant of the kernel, which it then compiles anew for each value: half a
 /// minute for each scene and each sample. It reads them as storage buffers instead.
@@ -256,9 +261,8 @@ fn kernel_text(entry: Entry, specialisation: &Specialisation, grouping: Grouping
 /// The constants that Rust owns.
 fn prelude(specialisation: &Specialisation, grouping: Grouping, software: bool) -> String {
     let lanes = grouping.lanes(software);
-    let words: [(&str, u32); 64] = [
+    let words: [(&str, u32); 63] = [
         ("WORKGROUP_SIZE", lanes),
-        ("RAYS_PER_INVOCATION", grouping.elements_per_invocation(software)),
         ("MOST_TURNS", LOOP_TURNS / lanes - LAST_TURNS),
         ("CHUNKS", specialisation.net_chunks),
         ("REVERSED", Face::REVERSED),
@@ -366,6 +370,7 @@ fn prelude(specialisation: &Specialisation, grouping: Grouping, software: bool) 
     }
     let turns = section::HATCH_TURNS.map(|[cos, sin]| format!("vec2<f32>({cos:e}, {sin:e})"));
     let _ = writeln!(text, "const HATCH_TURNS = array<vec2<f32>, {}>({});", turns.len(), turns.join(", "));
+    let _ = writeln!(text, "const SHARES_RAYS: bool = {};", grouping == Grouping::Shared);
     let _ = writeln!(text, "const HAS_SECTION: bool = {};", specialisation.section);
     let _ = writeln!(text, "const TRIM_BOXING: bool = {};", specialisation.trim_boxing);
     for (name, kind) in KINDS {
@@ -440,6 +445,7 @@ impl Gpu {
         if self.is_software() {
             specialisation = specialisation.widened();
         }
+        debug_assert!(grouping != Grouping::Shared || entry == Entry::Probe, "{entry:?} cannot share");
         let key = (entry, specialisation, grouping);
         let entry_point = entry.name();
         let mut pipelines = self.kernels.pipelines.lock().unwrap_or_else(PoisonError::into_inner);

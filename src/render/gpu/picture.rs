@@ -195,7 +195,9 @@ impl Shot<'_> {
     /// All samples of some pixels.
     fn samples(&self, refined: &[Refined]) -> Result<Vec<Sampled>, GpuError> {
         let mut sampled = self.run_samples(refined, Grouping::Wide)?;
-        // Wide workgroups of software devices run out of loop turns, narrow ones at poles.
+        if !self.gpu.is_software() {
+            return Ok(sampled);
+        }
         if sampled.iter().any(|one| one.flags & INCOMPLETE != 0) {
             sampled = self.run_samples(refined, Grouping::Narrow)?;
         }
@@ -294,7 +296,7 @@ struct Outputs {
 }
 
 impl Outputs {
-    /// Room for the samples of some pixels and for the centres of others, at least one of each: a kernel binds both.
+    /// Room for the samples of some pixels and for the centres of others; one at least of each is to be asked for, as a kernel binds both.
     fn new(gpu: &Gpu, sampled: u32, centers: u32) -> Self {
         let room = |label, size, count| gpu.create_output(label, size as u64 * u64::from(count));
         Self {

@@ -27,7 +27,8 @@ const BATCH_SLOTS: u32 = 1 << 20;
 struct ProbeParameters {
     ray_count: u32,
     first_only: u32,
-    reserved: [u32; 2],
+    rays_per_group: u32,
+    reserved: u32,
 }
 
 // The least that Vulkan lets a kernel bind.
@@ -256,7 +257,7 @@ impl Gpu {
                 probe_ray(ray, first_slot)
             })
             .collect();
-        let (bind_group, hits, found) = self.bind_rays(&rays, slots, wanted.first_only);
+        let (bind_group, hits, found) = self.bind_rays(&rays, slots, wanted.first_only, grouping);
         let pipeline = self.pipeline(Entry::Probe, scene, wanted.exactness, false, grouping)?;
         self.dispatch(&pipeline, scene, &bind_group, rays.len() as u32, grouping)?;
         Ok((self.read(&hits, slots as usize)?, self.read(&found, rays.len())?))
@@ -268,9 +269,15 @@ impl Gpu {
         rays: &[ProbeRay],
         slots: u32,
         first_only: bool,
+        grouping: Grouping,
     ) -> (wgpu::BindGroup, wgpu::Buffer, wgpu::Buffer) {
-        let parameters =
-            ProbeParameters { ray_count: rays.len() as u32, first_only: first_only.into(), reserved: [0; 2] };
+        let ray_count = rays.len() as u32;
+        let parameters = ProbeParameters {
+            ray_count,
+            first_only: first_only.into(),
+            rays_per_group: grouping.elements_per_group(ray_count, self.is_software()),
+            reserved: 0,
+        };
         let parameters = self.create_uniform("probe parameters", &parameters);
         let input = self.create_input("probe rays", bytemuck::cast_slice(rays));
         let hits = self.create_output("probe hits", u64::from(slots) * size_of::<ProbeHit>() as u64);
