@@ -71,34 +71,5 @@ fn sample_offset(pixel: u32, index: u32, count: u32) -> vec2<f32> {
     if count <= 1u {
         return vec2<f32>(0.5);
     }
-    let columns = stratum_columns(count);
-    let rows = (count + columns - 1u) / columns;
-    let column = index % columns;
-    let row = index / columns;
-    let in_row = select(columns, count - row * columns, row + 1u == rows);
-    let jitter = vec2<f32>(unit(hash(pixel, index, 0u)), unit(hash(pixel, index, 1u)));
-    return (vec2<f32>(f32(column), f32(row)) + jitter) / vec2<f32>(f32(in_row), f32(rows));
-}
-
-fn stratum_columns(count: u32) -> u32 {
-    var columns = 1u;
-    while columns * columns < count && columns < 256u {
-        columns += 1u;
-    }
-    return columns;
-}
-
-fn hash(pixel: u32, sample_index: u32, dimension: u32) -> u32 {
-    let seed = pixel * 747796405u + sample_index * 2891336453u + dimension * 1013904223u + 12345u;
-    return permute(permute(seed));
-}
-
-fn permute(value: u32) -> u32 {
-    let state = value * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return (word >> 22u) ^ word;
-}
-
-fn unit(bits: u32) -> f32 {
-    return f32(bits >> 8u) / 16777216.0;
+    return sample_pair(pixel, index, 0u, 0u);
 }

@@ -27,3 +27,18 @@ fn second_dimension(index: u32) -> u32 {
     x ^= (x >> 1u) & 0x55555555u;
     return x;
 }
+
+fn hash(pixel: u32, sample_index: u32, dimension: u32) -> u32 {
+    let seed = pixel * 747796405u + sample_index * 2891336453u + dimension * 1013904223u + 12345u;
+    return permute(permute(seed));
+}
+
+fn permute(value: u32) -> u32 {
+    let state = value * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+fn unit(bits: u32) -> f32 {
+    return f32(bits >> 8u) / 16777216.0;
+}

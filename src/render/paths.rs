@@ -235,7 +235,7 @@ mod tests {
                     PathSum { color: [0.0; 4], brightness: 0.0, square: 0.0, is_cut: 0, is_done: 0 };
                 for sample in range.clone() {
                     let key = (x + 50 * y) as u32;
-                    let noise = super::super::cpu::camera::hash(key, sample, 0) as f32 / u32::MAX as f32;
+                    let noise = super::super::cpu::sobol::hash(key, sample, 0) as f32 / u32::MAX as f32;
                     let value = if x < 24 { 0.5 } else { noise };
                     sum.color = sum.color.map(|all| all + value);
                     sum.brightness += value;

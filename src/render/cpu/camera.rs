@@ -1,5 +1,6 @@
 //! Rays through pixels, and where in a pixel samples lie.
 
+use super::sobol::sample_pair;
 use crate::image::Window;
 use crate::render::{Camera, Ray};
 
@@ -27,52 +28,12 @@ pub fn center_in_picture(resolution: [u32; 2], window: Window, pixel: usize) -> 
     in_picture(resolution, x as f64 + 0.5, y as f64 + 0.5)
 }
 
-/// What tells pixels apart in [`hash`] and in sample sequences: x in the low half, y in the high one.
+/// What tells pixels apart in sample sequences: x in the low half, y in the high one.
 pub fn pixel_key(x: u32, y: u32) -> u32 {
     x & 0xffff | y << 16
 }
 
-/// Where sample `index` of `count` lies in its pixel, both in 0..1: stratified over a grid of cells, jittered within the cell.
+/// Where sample `index` of `count` lies in its pixel, both in 0..1: spread so that the first 2, 4, 8 … are spread as well.
 pub fn sample_offset(pixel: u32, index: u32, count: u32) -> [f32; 2] {
-    if count <= 1 {
-        return [0.5, 0.5];
-    }
-    let columns = stratum_columns(count);
-    let rows = count.div_ceil(columns);
-    let (column, row) = (index % columns, index / columns);
-    // The last row may be shorter: its cells are wider.
-    let in_row = if row + 1 == rows { count - row * columns } else { columns };
-    let jitter_x = unit(hash(pixel, index, 0));
-    let jitter_y = unit(hash(pixel, index, 1));
-    [(column as f32 + jitter_x) / in_row as f32, (row as f32 + jitter_y) / rows as f32]
-}
-
-/// The least number of columns whose square holds `count`.
-fn stratum_columns(count: u32) -> u32 {
-    let mut columns = 1;
-    while columns * columns < count && columns < 256 {
-        columns += 1;
-    }
-    columns
-}
-
-/// A hash of three numbers (PCG, Jarzynski and Olano 2020): the same on every machine and in every order of work.
-pub fn hash(pixel: u32, sample: u32, dimension: u32) -> u32 {
-    let seed = pixel
-        .wrapping_mul(747_796_405)
-        .wrapping_add(sample.wrapping_mul(2_891_336_453))
-        .wrapping_add(dimension.wrapping_mul(1_013_904_223))
-        .wrapping_add(12_345);
-    permute(permute(seed))
-}
-
-fn permute(value: u32) -> u32 {
-    let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
-}
-
-/// The top 24 bits as a number in 0..1.
-pub fn unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 / 16_777_216.0
+    if count <= 1 { [0.5, 0.5] } else { sample_pair(pixel, index, 0, 0) }
 }

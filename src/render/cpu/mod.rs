@@ -48,7 +48,7 @@ pub(super) mod section;
 pub(super) mod shade;
 pub(super) mod shade_rays;
 mod slab;
-mod sobol;
+pub(super) mod sobol;
 mod tally;
 mod torus;
 pub(super) mod trace;

@@ -1,6 +1,6 @@
 //! What the rays through pixels show, eight at a time.
 
-use super::camera::{hash, pixel_key, unit};
+use super::camera::pixel_key;
 use super::light::OCCLUSION_RADIUS;
 use super::packet::{LANES, Segment};
 use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
@@ -9,6 +9,7 @@ use super::section::{Cut, NO_PLANE, Seen, first_seen_of_each};
 use super::shade::{
     Shading, cosine_direction, hit_material, leave_surface, seen_light, surface_offset, visible_normal,
 };
+use super::sobol::{hash, unit};
 use super::trace::RawHit;
 use super::vector::Vector3;
 use crate::render::{Camera, Ray};

@@ -3,8 +3,6 @@
 //!
 //! In whole numbers up to the last step, so that CPU and GPU agree to the bit.
 
-use super::camera::{hash, unit};
-
 /// Sample `sample_index` of a pixel in a pair of dimensions, both in 0..1.
 pub fn sample_pair(pixel: u32, sample_index: u32, pair: u32, seed: u32) -> [f32; 2] {
     let key = hash(pixel, pair, seed);
@@ -36,6 +34,27 @@ fn second_dimension(index: u32) -> u32 {
     x ^= x >> 2 & 0x3333_3333;
     x ^= x >> 1 & 0x5555_5555;
     x
+}
+
+/// A hash of three numbers (PCG, Jarzynski and Olano 2020): the same on every machine and in every order of work.
+pub fn hash(pixel: u32, sample: u32, dimension: u32) -> u32 {
+    let seed = pixel
+        .wrapping_mul(747_796_405)
+        .wrapping_add(sample.wrapping_mul(2_891_336_453))
+        .wrapping_add(dimension.wrapping_mul(1_013_904_223))
+        .wrapping_add(12_345);
+    permute(permute(seed))
+}
+
+fn permute(value: u32) -> u32 {
+    let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// The top 24 bits as a number in 0..1.
+pub fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 / 16_777_216.0
 }
 
 #[cfg(test)]
