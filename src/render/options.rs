@@ -75,7 +75,7 @@ pub enum Sampling {
 pub struct RenderOptions {
     /// Pixels across and down.
     pub resolution: [u32; 2],
-    /// Samples per pixel, stratified over the pixel.
+    /// Samples per pixel, spread over the pixel.
     pub samples: u32,
     /// Which pixels get them all.
     pub sampling: Sampling,
