@@ -19,6 +19,8 @@ pub(super) struct PartSpace {
     pub center: DVec3,
     /// Millimetres.
     pub grid_step: f64,
+    /// The size from which leaves are divided further, millimetres.
+    pub large_leaf: f64,
 }
 
 /// Everything that one face adds to the scene.

@@ -79,6 +79,21 @@ pub(super) struct Trim<'a> {
     pub period: DVec2,
 }
 
+/// How far leaves are divided.
+pub(super) struct Fineness {
+    /// The distortion below which they are not.
+    pub distortion: f64,
+    /// The size from which it has to be half of that, millimetres. Of a picture's rays so many meet such a leaf that it pays.
+    pub large: f64,
+}
+
+impl Fineness {
+    /// The distortion below which a leaf of so many millimetres is not divided.
+    fn distortion(&self, size: f64) -> f64 {
+        if size > self.large { 0.5 * self.distortion } else { self.distortion }
+    }
+}
+
 /// A net in normalised parameters.
 pub(super) struct Domain {
     /// Least u and v.
@@ -116,7 +131,7 @@ pub(super) fn leaves(
     domain: &Domain,
     trim: &Trim<'_>,
     views: &[View],
-    distortion: f64,
+    fineness: &Fineness,
     max_leaves: usize,
     face_size: f64,
 ) -> (Vec<Leaf>, bool) {
@@ -134,8 +149,8 @@ pub(super) fn leaves(
     }
     while let Some(leaf) = splitting.pop() {
         let taper = (0..2).find(|&axis| leaf.fit.tapers[axis] && leaf.level[axis] < TAPER_LEVEL);
-        let fits =
-            leaf.fit.distortion <= distortion && taper.is_none() || leaf.fit.size <= face_size * MIN_SIZE;
+        let fits = leaf.fit.distortion <= fineness.distortion(leaf.fit.size) && taper.is_none()
+            || leaf.fit.size <= face_size * MIN_SIZE;
         let axis = match taper {
             Some(axis) => axis,
             None if leaf.level[leaf.fit.split_axis] < MAX_LEVEL => leaf.fit.split_axis,

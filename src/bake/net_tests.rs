@@ -63,7 +63,7 @@ fn baked(surface: &BsplineSurface, curves: Vec<Bezier<Homogeneous2>>) -> (Nets, 
         repairs: vec![],
         losses: vec![],
     };
-    let space = PartSpace { center: DVec3::ZERO, grid_step: 2f64.powi(-10) };
+    let space = PartSpace { center: DVec3::ZERO, grid_step: 2f64.powi(-10), large_leaf: f64::INFINITY };
     let (origin, nets) =
         bake_nets(surface, DVec2::ZERO, &outline, &tree, &space, 0.125, 4096).expect("baked");
     (nets, origin, outline)

@@ -4,7 +4,7 @@
 //! factor for the whole face.
 
 use super::faces::PartSpace;
-use super::leaves::{self, Domain, Leaf, Side, Trim, View};
+use super::leaves::{self, Domain, Fineness, Leaf, Side, Trim, View};
 use super::narrow;
 use super::outline::Outline;
 use super::slab;
@@ -60,6 +60,7 @@ pub(super) fn bake_nets(
     let is_rational = surface.points.iter().any(|p| p.w != first_weight);
     let trim = Trim { region: &outline.region, tree, period };
     let face_size = outline.bounds.diagonal();
+    let fineness = Fineness { distortion, large: space.large_leaf };
     let bake_span = |span: PatchSpan, views: &[View]| -> Result<BakedSpan, String> {
         let domain = normalised_domain(span.u, span.v, outline);
         let (patch, nets) = timed(|| in_face_space(span.patch, origin + space.center, heaviest, is_rational));
@@ -70,7 +71,7 @@ pub(super) fn bake_nets(
         let point_sides = slab::point_sides(&patch);
         let reach = slab::bounds(&patch).diagonal();
         let ((found, is_cut), leaves) =
-            timed(|| leaves::leaves(patch, &domain, &trim, views, distortion, max_leaves, face_size));
+            timed(|| leaves::leaves(patch, &domain, &trim, views, &fineness, max_leaves, face_size));
         let times = BakeTimes { nets, leaves, ..BakeTimes::default() };
         let is_mixed = is_cut || found.iter().any(|leaf| leaf.side == Side::Mixed);
         let leaves = found.iter().map(|leaf| leaf_and_box(leaf, origin)).collect();

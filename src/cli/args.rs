@@ -256,7 +256,8 @@ pub(super) struct Probe {
     pub(super) stats: bool,
 }
 
-/// How bent a piece of a free-form face may be that is searched for hits as a whole. Hits are exact whatever the pieces.
+/// How bent a piece of a free-form face may be that is searched for hits as a whole, half as much where it is large in its scene. Hits are exact whatever the
+/// pieces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub(super) enum BakeQuality {
     /// A quarter of its size: baked sooner, rays take longer.
