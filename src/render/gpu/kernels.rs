@@ -5,7 +5,7 @@
 //! from within. The prelude states what a scene needs: the nets' degrees, in fours, size the local arrays, and a kind of surface that
 //! a scene lacks is a constant `false` that the driver removes with all that hangs on it. So is the search cell by cell where less exactness is asked for.
 
-use super::{Gpu, GpuError, GpuScene};
+use super::{Gpu, GpuError, GpuScene, Grouping};
 use crate::render::Exactness;
 use crate::render::cpu::trace::Certainty;
 use crate::render::cpu::{bsdf, light, path, pixels, section, shade_rays};
@@ -19,48 +19,6 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 
-/// How the elements of a dispatch are shared out among invocations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Grouping {
-    /// Each has a workgroup for itself: where software devices have to give each its own loops.
-    Narrow,
-    /// An element for each invocation: for those that do alike.
-    Wide,
-    /// Several for each, of which an invocation takes another when it is through with one: for rays that go different ways. Only the probe kernel can.
-    Shared,
-}
-
-impl Grouping {
-    /// Invocations in a workgroup.
-    fn lanes(self, software: bool) -> u32 {
-        match self {
-            Self::Narrow => 1,
-            // On an H200 coherent rays are up to 9 % faster in workgroups of 128 than in those of 64. Software devices share the turns of loops out.
-            Self::Wide if !software => 128,
-            Self::Wide | Self::Shared => 64,
-        }
-    }
-
-    /// Elements of a workgroup, of so many in all.
-    pub(super) fn elements_per_group(self, count: u32, software: bool) -> u32 {
-        let per_invocation = match self {
-            Self::Narrow | Self::Wide => 1,
-            Self::Shared if software => 2,
-            Self::Shared => (count / SHARED_INVOCATIONS).clamp(1, MOST_SHARED_ELEMENTS),
-        };
-        self.lanes(software) * per_invocation
-    }
-
-    /// Workgroups for so many elements.
-    pub(super) fn workgroups(self, count: u32, software: bool) -> u32 {
-        count.div_ceil(self.elements_per_group(count, software))
-    }
-}
-
-/// Invocations among which elements are shared out before one has several: more than large devices keep in flight.
-const SHARED_INVOCATIONS: u32 = 1 << 16;
-/// Elements that an invocation has on average at most: with 16 an H200 traces as many rays a second.
-const MOST_SHARED_ELEMENTS: u32 = 8;
 /// Elements of one dispatch of a software device at most: also that many narrow workgroups are allowed.
 const MOST_SOFTWARE_ELEMENTS: usize = 65_472;
 /// The same of a hardware device: more than the largest keeps in flight, and tenths of a second on a slow one.

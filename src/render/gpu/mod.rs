@@ -6,6 +6,7 @@
 
 mod buffers;
 mod device;
+mod grouping;
 mod held;
 mod kernels;
 mod paths;
@@ -15,8 +16,9 @@ mod trims;
 
 pub use buffers::{GpuScene, SCENE_BINDINGS};
 pub use device::{AdapterChoice, Gpu};
+pub use grouping::Grouping;
 pub use held::HeldWork;
-pub use kernels::{Entry, FUNCTION_FILES, Grouping, PATH_FILES, Specialisation, software_source, source};
+pub use kernels::{Entry, FUNCTION_FILES, PATH_FILES, Specialisation, software_source, source};
 pub use trims::TrimQuery;
 
 /// Why the GPU cannot be used, or could not finish.
