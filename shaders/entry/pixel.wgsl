@@ -91,20 +91,21 @@ fn shade_layers(
             let point = origin + pixel_ray.ray.direction * beyond(hit.distance, 0.0);
             share = hatch(section_plane(section, cap), point, hit.instance);
         }
+        let dark = shade_surface(lights, n, view, material, 0.0) * share;
+        let lit = shade_surface(lights, n, view, material, 1.0) * share;
         if layer == 1u {
-            shaded.lit = shade_surface(lights, n, view, material, 1.0) * share;
+            shaded.lit = lit;
             if center_only {
-                shaded.dark = shade_surface(lights, n, view, material, 0.0) * share;
+                shaded.dark = dark;
                 shaded.open = open;
                 shaded.is_see_through = material.opacity < 1.0;
                 break;
             }
         }
-        let lit = shade_surface(lights, n, view, material, open) * share;
         // What lies behind the last layer is not looked for: the layer stands for it.
         let opacity = select(material.opacity, 1.0, layer == MAX_LAYERS);
         let left = (1.0 - shaded.color.w) * opacity;
-        shaded.color += vec4<f32>(lit * left, left);
+        shaded.color += vec4<f32>((dark + (lit - dark) * open) * left, left);
         if shaded.color.w > 0.995 {
             shaded.color = vec4<f32>(shaded.color.xyz * (1.0 / shaded.color.w), 1.0);
             break;
@@ -136,19 +137,24 @@ fn beside(shaded: Shaded, place: vec2<f32>, index: u32) -> u32 {
     let is_high = place > vec2<f32>(1.0 - CLOSE);
     let is_close = vec4<bool>(is_low.x, is_high.x, is_low.y, is_high.y);
     let is_hit = shaded.first.count != 0u;
+    let sample = perceived(shaded.lit);
     var flags = 0u;
     var shown = 0u;
     for (var side = 0u; side < 4u; side++) {
         let has_face = refined[index].around[side + 1u].instance != 0u;
         let differs = is_hit != has_face
-            || is_hit && contrast(shaded.lit, refined[index].around[side + 1u].lit) > OTHER;
+            || is_hit && contrast(sample, refined[index].around[side + 1u].perceived) > OTHER;
         shown += select(0u, 1u, !differs && refined[index].around[side + 1u].is_alone == 0u);
         flags |= select(0u, BESIDE_LEFT << side, is_close[side] && differs);
     }
     return select(flags, BESIDE_ALL, shown == 0u);
 }
 
+fn perceived(light: vec3<f32>) -> vec3<f32> {
+    return sqrt(max(light, vec3<f32>(0.0)));
+}
+
 fn contrast(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    let apart = abs(sqrt(max(a, vec3<f32>(0.0))) - sqrt(max(b, vec3<f32>(0.0))));
+    let apart = abs(a - b);
     return max(max(apart.x, apart.y), apart.z);
 }

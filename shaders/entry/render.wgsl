@@ -39,7 +39,7 @@ struct Center {
 struct Neighbour {
     normal: vec3<f32>,
     open: f32,
-    lit: vec3<f32>,
+    perceived: vec3<f32>,
     instance: u32,
     face: u32,
     is_alone: u32,

@@ -1,6 +1,7 @@
 //! The film: what a renderer fills, pixel by pixel, top row first.
 
 use super::cryptomatte::{RANKS, Share};
+use super::huge_pages::filled;
 use super::picture::decode_srgb;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -151,7 +152,7 @@ impl Film {
             height,
             corner: [left, top],
             whole,
-            color: vec![[0.0; 4]; pixels],
+            color: filled([0.0; 4], pixels),
             depth: layer(layers.depth, f32::INFINITY, pixels),
             normal: layer(layers.normal, [0.0; 3], pixels),
             position: layer(layers.position, [0.0; 3], pixels),
@@ -294,7 +295,7 @@ impl Film {
 
 /// The array of a layer, or none.
 fn layer<T: Clone>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
-    if is_there { vec![value; pixels] } else { Vec::new() }
+    if is_there { filled(value, pixels) } else { Vec::new() }
 }
 
 fn keep_if<T>(is_kept: bool, layer: &mut Vec<T>) {

@@ -1,6 +1,7 @@
 //! The picture that a screen shows: sRGB (IEC 61966-2-1) in 8 or 16 bits a channel, alpha not multiplied in.
 
 use super::Film;
+use super::huge_pages::filled;
 use rayon::prelude::*;
 use std::ops::Not;
 use std::sync::LazyLock;
@@ -32,7 +33,7 @@ const PIXELS_AT_A_TIME: usize = 4096;
 
 impl From<&Film> for Picture {
     fn from(film: &Film) -> Self {
-        let mut pixels = vec![[0; 4]; film.color.len()];
+        let mut pixels = filled([0; 4], film.color.len());
         pixels.par_chunks_mut(PIXELS_AT_A_TIME).zip(film.color.par_chunks(PIXELS_AT_A_TIME)).for_each(
             |(pixels, colors)| {
                 // Of one colour there are often many in a row.

@@ -10,6 +10,7 @@ use super::{Camera, Ray, Viewpoint};
 use crate::numeric::Aabb;
 use crate::scene::Scene;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Rays along the longer side of the coarse look: a miss of half their spacing stays within the picture's margin.
 const COARSE: f64 = 240.0;
@@ -84,12 +85,13 @@ fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect:
     let width = (COARSE * aspect.min(1.0)).ceil().max(1.0);
     let height = (COARSE / aspect.max(1.0)).ceil().max(1.0);
     let at = |i: usize, count: f64| (2 * i + 1) as f64 / count - 1.0;
-    let rays: Vec<Ray> = (0..height as usize)
-        .flat_map(|row| (0..width as usize).map(move |column| (column, row)))
+    let rays: Vec<Ray> = (0..width as usize * height as usize)
+        .into_par_iter()
+        .map(|i| (i % width as usize, i / width as usize))
         .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
         .collect();
     if section.is_empty() {
-        let seen = rays.iter().zip(first_distances(scene, &rays));
+        let seen = rays.par_iter().zip(first_distances(scene, &rays));
         return seen.filter(|(_, t)| t.is_finite()).map(|(ray, t)| ray.at(t)).collect();
     }
     let hits = probe(scene, &rays, Precision::F32, false);

@@ -21,7 +21,7 @@ use super::pixels::{
 use super::shade::hit_material;
 use super::shade_rays::is_other;
 use super::vector::Vector3;
-use crate::image::{Film, RANKS, Share, Window};
+use crate::image::{Film, RANKS, Share, Window, filled};
 use crate::render::{Camera, RenderOptions, Sampling};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
@@ -37,6 +37,9 @@ const MOST_STEP: f32 = 1.0;
 /// Rows of pixels whose centres one thread finds at a time, at most: as few as leave each thread some bands.
 const MOST_ROWS_PER_BAND: usize = 8;
 const BANDS_PER_THREAD: usize = 8;
+
+/// Rows of pixels of which one thread finds out in a row whether they ask for samples.
+const ROWS_PER_BAND: usize = 16;
 
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
@@ -76,8 +79,8 @@ impl<'a> Centers<'a> {
             camera,
             options,
             film,
-            lit: vec![[0.0; 3]; pixels],
-            open: vec![1.0; pixels],
+            lit: filled([0.0; 3], pixels),
+            open: filled(0.0, pixels),
             see_through: vec![false; pixels],
         }
     }
@@ -96,10 +99,13 @@ impl<'a> Centers<'a> {
         let bands: Vec<(usize, Band<'_>)> = firsts.zip(self.bands(first, count)).collect();
         bands.into_par_iter().for_each(|(first, mut band)| {
             let found = find(first..first + band.open.len());
-            for (pixel, center) in
-                found.as_ref().iter().enumerate().filter(|(_, center)| center.instance != 0)
-            {
-                band.put(scene, pixel, center, behind);
+            for (pixel, center) in found.as_ref().iter().enumerate() {
+                if center.instance != 0 {
+                    band.put(scene, pixel, center, behind);
+                } else {
+                    // The system gives a page twice that is read before it is written.
+                    band.color[pixel] = [0.0; 4];
+                }
             }
         });
     }
@@ -146,7 +152,9 @@ impl<'a> Centers<'a> {
             let depth = f64::from(self.film.depth[pixel]);
             (from_origin + self.camera.at_depth(x, y, aspect, depth)).as_vec3().to_array()
         };
-        (0..self.film.part.len()).into_par_iter().map(position).collect()
+        let mut positions = filled([0.0; 3], self.film.part.len());
+        positions.par_iter_mut().enumerate().for_each(|(pixel, at)| *at = position(pixel));
+        positions
     }
 
     /// The part of the picture that was asked for, with the layers that were.
@@ -265,12 +273,12 @@ pub fn paint<E>(
     if has_sky {
         let surface =
             Surface { width: centers.film.width, normal: &centers.film.normal, position: &positions };
-        centers.open = smooth(&surface, std::mem::take(&mut centers.open));
+        centers.open = smooth(&surface, &centers.open);
     }
     add_sky(&mut centers);
     let pixels = centers.film.color.len();
     let mut is_asked = if is_uniform { vec![true; pixels] } else { marks(&centers, &positions) };
-    let mut asked: Vec<usize> = (0..pixels).filter(|&pixel| is_asked[pixel]).collect();
+    let mut asked: Vec<usize> = memchr::memchr_iter(1, bytemuck::cast_slice(&is_asked)).collect();
     for _ in 0..=MOST_ROUNDS {
         let mut next = Vec::new();
         for asked in asked.chunks(most) {
@@ -372,15 +380,24 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
             || beside.into_iter().flatten().any(steps)
     };
     let mut is_asked = vec![false; film.part.len()];
-    is_asked.par_chunks_mut(film.width.max(1)).enumerate().for_each(|(y, row)| {
-        let rows = [y.saturating_sub(1), y, (y + 1).min(film.height - 1)];
-        let places = rows.map(|y| y * film.width..(y + 1) * film.width);
-        if places.iter().all(|row| film.part[row.clone()].iter().all(|&part| part == 0)) {
-            return;
-        }
-        let perceived = places.map(|row| centers.lit[row].iter().map(|&light| perceived(light)).collect());
-        for (x, is_asked) in row.iter_mut().enumerate() {
-            *is_asked = is_marked(y * film.width + x, &perceived);
+    let width = film.width.max(1);
+    let row_of = |y: usize| y * width..(y + 1) * width;
+    let perceive = |y: usize| centers.lit[row_of(y)].iter().map(|&light| perceived(light)).collect();
+    is_asked.par_chunks_mut(width * ROWS_PER_BAND).enumerate().for_each(|(band, rows)| {
+        let top = band * ROWS_PER_BAND;
+        let mut seen = [top.saturating_sub(1), top, (top + 1).min(film.height - 1)].map(perceive);
+        for (y, row) in (top..).zip(rows.chunks_mut(width)) {
+            if y > top {
+                seen.rotate_left(1);
+                seen[2] = perceive((y + 1).min(film.height - 1));
+            }
+            let around = y.saturating_sub(1) * width..((y + 2) * width).min(film.part.len());
+            if film.part[around].iter().all(|&part| part == 0) {
+                continue;
+            }
+            for (x, is_asked) in row.iter_mut().enumerate() {
+                *is_asked = is_marked(y * width + x, &seen);
+            }
         }
     });
     is_asked
@@ -410,8 +427,10 @@ fn pixel_steps(camera: &Camera, height: usize) -> PixelSteps {
 
 /// Whether fewer than two of a pixel's neighbours show what it shows.
 fn is_alone(centers: &Centers<'_>, pixel: usize) -> bool {
-    let (lit, part) = (&centers.lit, &centers.film.part);
-    let shows_same = |&other: &usize| !is_other([lit[pixel], lit[other]], [part[pixel], part[other]]);
+    let part = &centers.film.part;
+    let own = perceived(centers.lit[pixel]);
+    let shows_same =
+        |&other: &usize| !is_other([own, perceived(centers.lit[other])], [part[pixel], part[other]]);
     neighbours(&centers.film, pixel).into_iter().flatten().filter(shows_same).count() < 2
 }
 
@@ -420,7 +439,7 @@ fn around(centers: &Centers<'_>, pixel: usize, is_uniform: bool) -> Refined {
     let neighbour = |other: usize| Neighbour {
         normal: centers.film.normal[other],
         open: if is_uniform { -1.0 } else { centers.open[other] },
-        lit: centers.lit[other],
+        perceived: perceived(centers.lit[other]),
         instance: centers.film.part[other],
         face: centers.film.face[other],
         is_alone: is_alone(centers, other).into(),
@@ -475,7 +494,7 @@ mod tests {
                 assert_eq!(film.part[pixel], (pixel % 3) as u32, "{pixel}");
                 assert_eq!(film.depth[pixel], if is_there { 2.0 + pixel as f32 } else { f32::INFINITY });
                 assert_eq!(film.face[pixel], if is_there && pixel % 5 != 0 { pixel as u32 } else { 0 });
-                assert_eq!(centers.open[pixel], if is_there { 0.5 } else { 1.0 });
+                assert_eq!(centers.open[pixel], if is_there { 0.5 } else { 0.0 });
                 assert_eq!(centers.see_through[pixel], is_there && pixel % 5 != 0);
             }
         }

@@ -7,9 +7,10 @@
 
 use super::packet::LANES;
 use super::vector::{Vector3, vec3};
+use crate::image::filled;
 use crate::numeric::{Eight, Mask, Mask8, Number};
 use rayon::prelude::*;
-use smallvec::SmallVec;
+use std::array::from_fn;
 
 /// Cosine of the angle between normals that belong together.
 const SAME_WAY: f32 = 0.9;
@@ -17,8 +18,11 @@ const SAME_WAY: f32 = 0.9;
 /// Sine of the angle at which a point may lie off the tangent plane of another.
 const OFF_PLANE: f32 = 0.25;
 
-/// How far, in pixels, the means reach.
-pub const REACH: usize = 10;
+/// Pixels across and down of the first window, and from one that a mean is taken over to the next.
+const APART: usize = 4;
+
+/// How far, in pixels, the means reach: the first half a window, the others one.
+pub const REACH: usize = APART / 2 + 2 * APART;
 
 /// What the filter looks at: arrays of all pixels, row by row.
 #[derive(Debug, Clone, Copy)]
@@ -31,87 +35,110 @@ pub struct Surface<'a> {
     pub position: &'a [[f32; 3]],
 }
 
-/// Rows whose means one thread finds at a time.
-const ROWS_PER_BAND: usize = 16;
+/// Rows whose means one thread finds at a time, at most, and of how many bands each thread then has a choice. The more rows, the fewer are loaded twice.
+const MOST_ROWS_PER_BAND: usize = 64;
+const BANDS_PER_THREAD: usize = 8;
 
-/// Pixels that show nothing beside each row of a band, on both sides: at least as many as a mean reaches beyond its ends.
+/// Pixels that show nothing beside each row of a band, on both sides: at least as many as one mean reaches beyond its ends.
 const BESIDE: usize = 8;
 
+/// The places that the first mean is taken over, and those of the second and the third.
+fn places() -> ([[isize; 2]; APART * APART], [[isize; 2]; 9]) {
+    let window = APART as isize;
+    let near = from_fn(|i| [i as isize % window - window / 2, i as isize / window - window / 2]);
+    let far = from_fn(|i| [(i as isize % 3 - 1) * window, (i as isize / 3 - 1) * window]);
+    (near, far)
+}
+
 /// The means of `open`; values at pixels that show nothing are of no account.
-pub fn smooth(surface: &Surface<'_>, mut open: Vec<f32>) -> Vec<f32> {
-    let near: Vec<[isize; 2]> = (-2..2).flat_map(|dy| (-2..2).map(move |dx| [dx, dy])).collect();
-    let far: Vec<[isize; 2]> = (-1..2).flat_map(|dy| (-1..2).map(move |dx| [4 * dx, 4 * dy])).collect();
-    let mut means = vec![0.0; open.len()];
-    mean_over(surface, &open, &near, &mut means);
-    mean_over(surface, &means, &far, &mut open);
-    mean_over(surface, &open, &far, &mut means);
+pub fn smooth(surface: &Surface<'_>, open: &[f32]) -> Vec<f32> {
+    let (near, far) = places();
+    let width = surface.width.max(1);
+    let height = open.len() / width;
+    let rows_per_band =
+        (height / (BANDS_PER_THREAD * rayon::current_num_threads())).clamp(1, MOST_ROWS_PER_BAND);
+    let mut means = filled(0.0, open.len());
+    let bands = means.par_chunks_mut(width * rows_per_band).enumerate();
+    bands.for_each_init(Rows::default, |rows, (band, means)| {
+        let count = means.len() / width;
+        rows.load(surface, open, band * rows_per_band, count);
+        rows.mean_over(&near, 2 * APART, count);
+        rows.mean_over(&far, APART, count);
+        rows.mean_over(&far, 0, count);
+        for (y, means) in means.chunks_mut(width).enumerate() {
+            let first = (y + REACH) * rows.stride + BESIDE;
+            means.copy_from_slice(&rows.open[first..first + width]);
+        }
+    });
     means
 }
 
-/// Writes the means of `open` over the places at `offsets` from each pixel, itself among them.
-fn mean_over(surface: &Surface<'_>, open: &[f32], offsets: &[[isize; 2]], means: &mut [f32]) {
-    let width = surface.width.max(1);
-    let reach = offsets.iter().flatten().map(|offset| offset.unsigned_abs()).max().unwrap_or(0);
-    let bands = means.par_chunks_mut(width * ROWS_PER_BAND).enumerate();
-    bands.for_each_init(Rows::default, |rows, (band, means)| {
-        rows.load(surface, open, band * ROWS_PER_BAND, means.len() / width, reach);
-        let steps = offsets.iter().map(|&[dx, dy]| dy * rows.stride as isize + dx);
-        let steps: SmallVec<[isize; 16]> = steps.collect();
-        for (y, row) in means.chunks_mut(width).enumerate() {
-            let first = (y + reach) * rows.stride + BESIDE;
-            for (x, means) in row.chunks_mut(LANES).enumerate() {
-                let at = first + x * LANES;
-                let mean = rows.means(at, steps.iter().map(|&step| at.wrapping_add_signed(step)));
-                means.copy_from_slice(&mean.to_array()[..means.len()]);
-            }
-        }
-    });
-}
-
-/// Some rows of pixels, coordinate by coordinate, so that eight pixels in a row are one vector. Around them, and beyond the picture, are pixels that belong to
-/// none: they have no normal.
+/// Some rows of pixels, coordinate by coordinate, so that eight pixels in a row are one vector, with [`REACH`] more above and below. Around them, and beyond
+/// the picture, are pixels that belong to none: they have no normal.
 #[derive(Debug, Default)]
 struct Rows {
     stride: usize,
     normal: [Vec<f32>; 3],
     position: [Vec<f32>; 3],
     open: Vec<f32>,
+    means: Vec<f32>,
 }
 
 impl Rows {
-    /// `count` rows from `first` on, and `reach` above and below.
-    fn load(&mut self, surface: &Surface<'_>, open: &[f32], first: usize, count: usize, reach: usize) {
+    /// `count` rows from `first` on.
+    fn load(&mut self, surface: &Surface<'_>, open: &[f32], first: usize, count: usize) {
         let width = surface.width.max(1);
         self.stride = width.next_multiple_of(LANES) + 2 * BESIDE;
-        let size = (count + 2 * reach) * self.stride;
-        for plane in self.normal.iter_mut().chain(&mut self.position).chain([&mut self.open]) {
+        let size = (count + 2 * REACH) * self.stride;
+        let Self { normal, position, open: own, means, .. } = self;
+        for plane in normal.iter_mut().chain(position.iter_mut()).chain([&mut *own, means]) {
             plane.clear();
             plane.resize(size, 0.0);
         }
-        for row in 0..count + 2 * reach {
-            let Some(y) = (first + row).checked_sub(reach).filter(|y| (y + 1) * width <= open.len()) else {
+        for row in 0..count + 2 * REACH {
+            let Some(y) = (first + row).checked_sub(REACH).filter(|y| (y + 1) * width <= open.len()) else {
                 continue;
             };
             let from = y * width..(y + 1) * width;
             let to = row * self.stride + BESIDE;
-            self.open[to..to + width].copy_from_slice(&open[from.clone()]);
-            for (x, (n, p)) in surface.normal[from.clone()].iter().zip(&surface.position[from]).enumerate() {
-                for k in 0..3 {
-                    self.normal[k][to + x] = n[k];
-                    self.position[k][to + x] = p[k];
+            let to = to..to + width;
+            own[to.clone()].copy_from_slice(&open[from.clone()]);
+            for (planes, vectors) in [(&mut *normal, surface.normal), (&mut *position, surface.position)] {
+                let [x, y, z] = planes.each_mut().map(|plane| &mut plane[to.clone()]);
+                for (((x, y), z), vector) in x.iter_mut().zip(y).zip(z).zip(&vectors[from.clone()]) {
+                    [*x, *y, *z] = *vector;
                 }
             }
         }
     }
 
+    /// Replaces what is open by its means over the places at `offsets` from each pixel, itself among them: in the `count` rows and `beside` ones above and below,
+    /// of those around which all places are there.
+    fn mean_over<const PLACES: usize>(
+        &mut self,
+        offsets: &[[isize; 2]; PLACES],
+        beside: usize,
+        count: usize,
+    ) {
+        let steps = offsets.map(|[dx, dy]| dy * self.stride as isize + dx);
+        for row in REACH - beside..REACH + count + beside {
+            let first = row * self.stride + BESIDE;
+            for at in (first..first + self.stride - 2 * BESIDE).step_by(LANES) {
+                let mean = self.mean(at, steps.map(|step| at.wrapping_add_signed(step)));
+                self.means[at..at + LANES].copy_from_slice(&mean.to_array());
+            }
+        }
+        std::mem::swap(&mut self.open, &mut self.means);
+    }
+
     /// The means over some places each of eight pixels in a row, the first at `at`; `places` are those of the first. That of a pixel does not depend on the
     /// others.
     #[inline(always)]
-    fn means(&self, at: usize, places: impl Iterator<Item = usize> + Clone) -> Eight {
+    fn mean<const PLACES: usize>(&self, at: usize, places: [usize; PLACES]) -> Eight {
         let open = eight(&self.open, at);
         // Where all see the same there is nothing to weigh.
         let differs = |any: Mask8, place| any | !is_same(eight(&self.open, place), open);
-        let any_differs = places.clone().fold(Mask8::everywhere(false), differs);
+        let any_differs = places.into_iter().fold(Mask8::everywhere(false), differs);
         if !any_differs.any() {
             return open;
         }
@@ -138,7 +165,7 @@ fn is_same(a: Eight, b: Eight) -> Mask8 {
 /// Eight numbers in a row.
 #[inline(always)]
 fn eight(numbers: &[f32], at: usize) -> Eight {
-    std::array::from_fn(|k| numbers[at..at + LANES][k]).into()
+    from_fn(|k| numbers[at..at + LANES][k]).into()
 }
 
 /// Eight vectors in a row.
@@ -163,7 +190,7 @@ mod tests {
         let position: Vec<_> = pixels.iter().map(|&(x, y)| [x as f32, y as f32, 0.0]).collect();
         let open: Vec<f32> =
             pixels.iter().map(|&(x, y)| if is_wall(x) { 0.0 } else { ((x + y) % 2) as f32 }).collect();
-        let smoothed = smooth(&Surface { width, normal: &normal, position: &position }, open);
+        let smoothed = smooth(&Surface { width, normal: &normal, position: &position }, &open);
         for (&(x, y), &value) in pixels.iter().zip(&smoothed) {
             if is_wall(x) {
                 assert_eq!(value, 0.0, "{x} {y}");
@@ -188,19 +215,17 @@ mod tests {
             open.push(next());
         }
         let surface = Surface { width, normal: &normal, position: &position };
-        let offsets = [[0, 0], [-4, 0], [3, -4], [4, 4], [0, 1]];
-        let mut means = vec![0.0; open.len()];
-        mean_over(&surface, &open, &offsets, &mut means);
         let at = |[x, y, z]: [f32; 3]| vec3(x, y, z);
-        let mut weighed = 0;
-        for pixel in (0..open.len()).filter(|&pixel| normal[pixel] != [0.0; 3]) {
-            let (mut sum, mut count) = (0.0, 0.0);
+        let mean = |open: &[f32], offsets: &[[isize; 2]], pixel: usize| {
+            let (mut sum, mut count, mut differs) = (0.0, 0.0, false);
             for [dx, dy] in offsets {
                 let (x, y) = ((pixel % width) as isize + dx, (pixel / width) as isize + dy);
                 if !(0..width as isize).contains(&x) || !(0..height as isize).contains(&y) {
+                    differs |= open[pixel] != 0.0;
                     continue;
                 }
                 let other = y as usize * width + x as usize;
+                differs |= open[other] != open[pixel];
                 let (n, m) = (at(normal[pixel]), at(normal[other]));
                 let apart = at(position[other]) - at(position[pixel]);
                 let off = apart.dot(n);
@@ -209,9 +234,16 @@ mod tests {
                     count += 1.0;
                 }
             }
-            weighed += usize::from(count > 1.0);
-            assert_eq!(means[pixel], sum / count, "{pixel}");
-        }
+            if differs && count > 0.0 { sum / count } else { open[pixel] }
+        };
+        let mean_over = |open: &[f32], offsets: &[[isize; 2]]| -> Vec<f32> {
+            (0..open.len()).map(|pixel| mean(open, offsets, pixel)).collect()
+        };
+        let (near, far) = places();
+        let expected = mean_over(&mean_over(&mean_over(&open, &near), &far), &far);
+        let means = smooth(&surface, &open);
+        let weighed = means.iter().zip(&open).filter(|(mean, open)| mean != open).count();
         assert!(weighed > 500, "{weighed}");
+        assert_eq!(means, expected);
     }
 }

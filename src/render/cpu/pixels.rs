@@ -55,8 +55,8 @@ pub struct Neighbour {
     pub normal: [f32; 3],
     /// The share of the sky that is seen, without the noise of single rays; negative where samples have to look for themselves.
     pub open: f32,
-    /// As in [`Center`].
-    pub lit: [f32; 3],
+    /// What the eye makes of [`Center::lit`].
+    pub perceived: [f32; 3],
     /// As in [`Center`].
     pub instance: u32,
     /// As in [`Center`]; 0 at a cap too.
@@ -99,8 +99,7 @@ pub fn perceived(light: [f32; 3]) -> [f32; 3] {
     light.map(|c| c.max(0.0).sqrt())
 }
 
-/// The greatest difference of two lights in any channel, as the eye sees it.
+/// The greatest difference of two [`perceived`] lights in any channel.
 pub fn contrast(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let (a, b) = (perceived(a), perceived(b));
     (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max)
 }

@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Pixels that are refined at a time, which is what bounds the memory for it.
-const MOST_REFINED: usize = 1 << 16;
+const MOST_REFINED: usize = 1 << 14;
 
 /// Pixels across that are looked at together, in all rows of a band: fewer rays would not be worth the beam, more would meet something more often.
 const COLUMNS_PER_BLOCK: usize = 16;

@@ -85,14 +85,30 @@ pub(super) fn surface_offset(scene: &Scene<'_>) -> f32 {
     (scene_radius(scene.header) * SURFACE_OFFSET) as f32
 }
 
-/// The light that what is seen sends back along the ray, by the share of the sky that it sees.
-pub(super) fn seen_light<'a>(
-    shading: &'a Shading<'_, '_>,
+/// Linear light by how much of the sky a surface sees.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SkyLight {
+    /// Without any sky.
+    pub dark: [f32; 3],
+    /// Under the whole sky.
+    pub lit: [f32; 3],
+}
+
+impl SkyLight {
+    /// Where a share of the sky is open: it runs straight from one to the other.
+    pub fn at(&self, open: f32) -> [f32; 3] {
+        std::array::from_fn(|k| self.dark[k] + (self.lit[k] - self.dark[k]) * open)
+    }
+}
+
+/// The light that what is seen sends back along the ray.
+pub(super) fn seen_light(
+    shading: &Shading<'_, '_>,
     ray: &WorldRay<f32>,
     seen: &Seen,
     n: Vector3<f32>,
-    material: &'a Material,
-) -> impl Fn(f32) -> [f32; 3] + 'a {
+    material: &Material,
+) -> SkyLight {
     let share = match &shading.section {
         Some(section) if seen.cap != NO_PLANE => {
             let step = shading.scene.header.grid_step as f32;
@@ -104,9 +120,10 @@ pub(super) fn seen_light<'a>(
     };
     let view = -ray.direction;
     let highlights = highlights(&shading.lights, n, view, material);
-    move |open| {
+    let light = |open| {
         shade_surface(&shading.lights, n, view, material, &highlights, open).map(|light| light * share)
-    }
+    };
+    SkyLight { dark: light(0.0), lit: light(1.0) }
 }
 
 /// What does not depend on the sky that a surface sees: for the key and the fill light how much the coat gleams, and how much metal mirrors. Once for the two lights
@@ -128,7 +145,8 @@ fn highlights(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, material: &M
     }
 }
 
-/// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees.
+/// The light of the environment on a surface with normal `n`, seen from `view`; `open` is the share of the sky that it sees, on which it depends linearly.
+#[inline(always)]
 fn shade_surface(
     lights: &Lights,
     n: Vector3<f32>,
@@ -146,7 +164,8 @@ fn shade_surface(
     let grazing = (1.0 - facing) * (1.0 - facing);
     let rim = grazing * grazing * (1.0 - facing) * open;
     let gleam = highlights.gleam[0] * soft + 0.25 * highlights.gleam[1] * soft;
-    let mirrored = mirrored(lights, n, view, highlights.mirror, open);
+    let mirrored =
+        if material.metallic > 0.0 { mirrored(lights, n, view, highlights.mirror, open) } else { [0.0; 3] };
     let mut out = [0.0; 3];
     for k in 0..3 {
         let ambient = (AMBIENT_DOWN[k] + (AMBIENT_UP[k] - AMBIENT_DOWN[k]) * sky) * AMBIENT_WEIGHT * open;

@@ -3,7 +3,9 @@
 use super::camera::pixel_key;
 use super::light::OCCLUSION_RADIUS;
 use super::packet::{LANES, Segment};
-use super::pixels::{BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast};
+use super::pixels::{
+    BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, contrast, perceived,
+};
 use super::ray_space::{Distance, WorldRay, prepare, scene_radius};
 use super::section::{Cut, NO_PLANE, Seen, first_seen_of_each};
 use super::shade::{
@@ -81,8 +83,8 @@ pub fn shade_centers(shading: &Shading<'_, '_>, camera: &Camera, pixels: &[(Ray,
         Some(Center {
             normal: n.to_array(),
             depth: ((prepared.start + hit.distance.to_f64()) * ray.direction.dot(camera.forward)) as f32,
-            dark: light(0.0),
-            lit: light(1.0),
+            dark: light.dark,
+            lit: light.lit,
             open: open[lane],
             flags: see_through | if seen.cap == NO_PLANE { 0 } else { CAP },
             instance: hit.instance + 1,
@@ -137,10 +139,10 @@ pub fn shade_samples(
             let material = hit_material(scene, hit.instance, hit.face);
             let light = seen_light(shading, &way.0.ray, &seen, n, &material);
             if layer == 1 {
-                shaded.lit = Some(light(1.0));
+                shaded.lit = Some(light.lit);
                 shaded.first = Some((hit.instance, hit.face));
             }
-            let lit = light(open[lane]);
+            let lit = light.at(open[lane]);
             // What lies behind the last layer is not looked for: the layer stands for it.
             let opacity = if layer == MAX_LAYERS { 1.0 } else { material.opacity };
             let color = &mut shaded.color;
@@ -204,11 +206,12 @@ fn known_openness(around: &[Neighbour; 5], seen: &Seen, n: Vector3<f32>) -> f32 
 /// none shows it that is not alone with it.
 pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
     let is_close = [place[0] < CLOSE, place[0] > 1.0 - CLOSE, place[1] < CLOSE, place[1] > 1.0 - CLOSE];
+    let sample = shaded.lit.map(perceived);
     let (mut flags, mut shown) = (0, 0);
     for side in 0..4 {
         let neighbour = &refined.around[side + 1];
-        let differs = match shaded.lit {
-            Some(lit) => is_other([lit, neighbour.lit], [1, neighbour.instance]),
+        let differs = match sample {
+            Some(sample) => is_other([sample, neighbour.perceived], [1, neighbour.instance]),
             None => neighbour.instance != 0,
         };
         shown += u32::from(!differs && neighbour.is_alone == 0);
@@ -219,9 +222,10 @@ pub fn beside(shaded: &Shaded, place: [f32; 2], refined: &Refined) -> u32 {
     if shown == 0 { BESIDE_ALL } else { flags }
 }
 
-/// Whether two places show different things: their lights under the whole sky, and 0 for an instance where there is none.
-pub fn is_other(lit: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
-    (instance[0] == 0) != (instance[1] == 0) || instance[0] != 0 && contrast(lit[0], lit[1]) > OTHER
+/// Whether two places show different things: their lights under the whole sky, as the eye sees them, and 0 for an instance where there is none.
+pub fn is_other(perceived: [[f32; 3]; 2], instance: [u32; 2]) -> bool {
+    (instance[0] == 0) != (instance[1] == 0)
+        || instance[0] != 0 && contrast(perceived[0], perceived[1]) > OTHER
 }
 
 /// How far away the sky begins.
