@@ -183,6 +183,16 @@ impl Builder<'_> {
         budget: usize,
     ) {
         tidy(&content.cell, &mut content.pieces);
+        if content.pieces.is_empty() {
+            // Nothing changes from here on: all cells are alike.
+            let word = trim_word::pack(TrimWord::Uniform { inside: content.inside });
+            let [across, up] = [0, 1].map(|axis| index[axis] << left[axis]..(index[axis] + 1) << left[axis]);
+            for row in up {
+                let first = HEADER_WORDS + (row << levels[0]);
+                self.words[first + across.start..first + across.end].fill(word);
+            }
+            return;
+        }
         if left == [0, 0] {
             let at = HEADER_WORDS + (index[1] << levels[0] | index[0]);
             self.words[at] = match self.split_of(&content, MAX_DEPTH, budget) {

@@ -12,6 +12,8 @@ a triangle, which embreex stores, plus what the process grew by while Embree bui
 A mesh that would take too long (--limit, seconds) ends the series.
 """
 import argparse
+import ctypes
+import gc
 import json
 import math
 import os
@@ -112,6 +114,9 @@ def first_hits(binary, path, origins, directions, precision="f64"):
 
 
 def resident():
+    """Bytes of memory that are in use: what has been freed is given back first."""
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
     with open("/proc/self/statm") as statm:
         return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
@@ -134,17 +139,23 @@ def distances(scene, origins, directions):
     return np.where(found > 1e30, math.inf, found)
 
 
-def measure(corners, origins, directions, truth, diagonal):
-    """Seconds to build the tree, bytes, nanoseconds a ray, quantiles of the error, missed, phantom."""
-    corners = corners.astype(np.float32)
-    origins, directions = origins.astype(np.float32), directions.astype(np.float32)
+def built(corners):
+    """The scene of a mesh with its tree, seconds to build it, bytes of both."""
     before = resident()
     clock = time.perf_counter()
     scene = rtcore_scene.EmbreeScene()
     TriangleMesh(scene, corners)
-    scene.run(origins[:1], directions[:1])
-    build = time.perf_counter() - clock
-    size = corners.nbytes + max(0, resident() - before - corners.nbytes)
+    one = np.zeros((1, 3), dtype=np.float32)
+    scene.run(one, one + 1)
+    seconds = time.perf_counter() - clock
+    return scene, seconds, max(corners.nbytes, resident() - before)
+
+
+def measure(corners, origins, directions, truth, diagonal):
+    """Seconds to build the tree, bytes, nanoseconds a ray, quantiles of the error, missed, phantom."""
+    corners = corners.astype(np.float32)
+    origins, directions = origins.astype(np.float32), directions.astype(np.float32)
+    scene, build, size = built(corners)
     least = math.inf
     for _ in range(RUNS):
         clock = time.perf_counter()

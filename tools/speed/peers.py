@@ -5,8 +5,8 @@
     peers.py --bin target/release/trimray [--share 1e-3] [--json OUT] FILE|FOLDER...
 
 For each file and each of the three: seconds from the file to a picture of 1024 by 1024 pixels, a process of its own from start to end, and its peak of memory;
-millions of first hits a second on one thread, with the share of the rays that hit; and how far hits are off, 99.9 % of them, in diagonals of the model, against
-`trimray probe --precision f64`.
+millions of first hits a second on one thread, with the share of the rays that hit; how far hits are off, 99.9 % of them, in diagonals of the model, against
+`trimray probe --precision f64`; and the size of what is traced, mesh and tree of the one, the mapped scene of the other.
 
 f3d draws triangles, and has no rays to count. Open CASCADE meshes with a chord error of `--share` of the diagonal, and Embree traces the mesh through embreex,
 in float32 and without the anti-aliasing and ambient occlusion that trimray's picture has. Both find the first hits of the same rays, those of that picture from
@@ -59,10 +59,8 @@ def embree_picture(path, share, picture, binary):
     low_high = mesh_embree.triangles(shape, 1e3)
     origins, directions, diagonal = grid(low_high)
     corners = mesh_embree.triangles(shape, share * diagonal).astype(np.float32)
-    scene = mesh_embree.rtcore_scene.EmbreeScene()
-    mesh_embree.TriangleMesh(scene, corners)
+    scene, _, size = mesh_embree.built(corners)
     rays = [np.ascontiguousarray(a, dtype=np.float32) for a in (origins, directions)]
-    scene.run(rays[0][:1], rays[1][:1])
     hit, traced = scene.run(*rays), math.inf
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
@@ -79,7 +77,7 @@ def embree_picture(path, share, picture, binary):
     truth, own = (mesh_embree.first_hits(binary, path, origins[some], directions[some], precision) for precision in ("f64", "f32"))
     off = [mesh_embree.quantile(mesh_embree.errors(found, truth, diagonal), 0.999) for found in (met, own)]
     own_seconds = trimray_seconds(binary, path, origins, directions)
-    print(json.dumps({"triangles": len(corners), "rays": SIDE * SIDE, "hits": int(np.sum(hit >= 0)), "seconds": [traced, own_seconds], "errors": off}))
+    print(json.dumps({"triangles": len(corners), "rays": SIDE * SIDE, "hits": int(np.sum(hit >= 0)), "seconds": [traced, own_seconds], "errors": off, "bytes": [size, baked_bytes(binary, path)]}))
 
 
 def trimray_seconds(binary, path, origins, directions):
@@ -91,6 +89,14 @@ def trimray_seconds(binary, path, origins, directions):
         rays.flush()
         command = [binary, "bench", "rays", path, "--rays", rays.name, "--threads", "1", "--repeat", str(RUNS), "--json"]
         return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)["seconds"]
+
+
+def baked_bytes(binary, path):
+    """Of the scene that trimray maps."""
+    with tempfile.TemporaryDirectory() as folder:
+        baked = Path(folder) / "scene.trimray"
+        subprocess.run([binary, "bake", "-q", path, "-o", baked], check=True, capture_output=True)
+        return baked.stat().st_size
 
 
 def compare(arguments, path, folder):
@@ -110,8 +116,8 @@ def compare(arguments, path, folder):
         row[name] = {"seconds": result[0], "megabytes": result[1]}
     told = json.loads(subprocess.run([*embree, "--bin", arguments.bin], capture_output=True, text=True, check=True).stdout.splitlines()[-1])
     rates = [told["rays"] / seconds / 1e6 for seconds in told["seconds"]]
-    row["embree"].update(triangles=told["triangles"], mrays=rates[0], error=told["errors"][0])
-    row["trimray"].update(mrays=rates[1], error=told["errors"][1])
+    row["embree"].update(triangles=told["triangles"], mrays=rates[0], error=told["errors"][0], bytes=told["bytes"][0])
+    row["trimray"].update(mrays=rates[1], error=told["errors"][1], bytes=told["bytes"][1])
     row["hits"] = told["hits"] / told["rays"]
     return row
 
@@ -131,8 +137,8 @@ def main() -> int:
     if not arguments.bin:
         parser.error("--bin says which trimray")
     rows = []
-    print(f"{'f3d':>14}{'Open CASCADE + Embree':>42}{'trimray':>36}")
-    print(f"{'s':>8}{'MB':>6}" + 2 * f"{'s':>8}{'MB':>6}{'Mrays/s':>9}{'error':>9}" + f"{'triangles':>11}{'hit':>6}")
+    print(f"{'f3d':>14}{'Open CASCADE + Embree':>42}{'trimray':>45}")
+    print(f"{'s':>8}{'MB':>6}" + 2 * f"{'s':>8}{'MB':>6}{'Mrays/s':>9}{'error':>9}{'scene MB':>9}" + f"{'triangles':>11}{'hit':>6}")
     with tempfile.TemporaryDirectory() as folder:
         for path in files(arguments.paths):
             row = compare(arguments, path, folder)
@@ -143,7 +149,7 @@ def main() -> int:
             numbers = f"{row['f3d']['seconds']:8.2f}{row['f3d']['megabytes']:6.0f}"
             for peer in ("embree", "trimray"):
                 one = row[peer]
-                numbers += f"{one['seconds']:8.2f}{one['megabytes']:6.0f}{one['mrays']:9.2f}{one['error']:9.1e}"
+                numbers += f"{one['seconds']:8.2f}{one['megabytes']:6.0f}{one['mrays']:9.2f}{one['error']:9.1e}{one['bytes'] / 1e6:9.2f}"
             print(f"{numbers}{row['embree']['triangles']:11}{row['hits']:6.2f}  {path.name}", flush=True)
     if arguments.json:
         Path(arguments.json).write_text("".join(json.dumps(row) + "\n" for row in rows))
