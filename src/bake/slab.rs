@@ -10,7 +10,7 @@ use super::tensor::Tensor;
 use crate::geometry::{BezierPatch, Homogeneous};
 use crate::numeric::Aabb;
 use crate::scene::{NetLeaf, bend_byte, point_side};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, DVec4};
 
 /// Tangents shorter than this share of the patch's size, or nearly parallel ones (sine), span no usable frame.
 const MIN_TANGENT: f64 = 1.0 / 4096.0;
@@ -282,37 +282,37 @@ fn deviations(patch: &BezierPatch, dual: &DMat3, shortest: f64) -> [f64; 3] {
     let has_products = is_rational && patch.points.len() <= MAX_PRODUCT_POINTS;
     // About the middle, so that numerators are small where the patch is far from the origin.
     let middle = bounds(patch).center();
-    let scalar = |f: &dyn Fn(DVec3, f64) -> f64| {
-        let of = |p: &glam::DVec4| f(p.truncate() - middle * p.w, p.w);
-        Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
-    };
-    let weight = scalar(&|_, w| w);
-    let least = weight.least();
-    let axes = [0, 1, 2].map(|k| scalar(&|x, _| dual.row(k).dot(x)));
-    let reach = [0, 1, 2]
-        .map(|k| patch.points.iter().map(|p| dual.row(k).dot(p.point() - middle).abs()).fold(0.0, f64::max));
+    let weight = Tensor::new(patch.degrees, patch.points.iter().map(|p| p.w).collect());
+    let least = least_weight(patch);
+    // α, β and γ times the weight.
+    let numerator_of = |p: &DVec4| (*dual * (p.truncate() - middle * p.w)).extend(0.0);
+    let numerators = Tensor::new(patch.degrees, patch.points.iter().map(numerator_of).collect());
     let square = has_products.then(|| weight.times(&weight));
-    let weight_slopes = [0, 1].map(|along| weight.derivative(along));
-    // max |∂x − target| for each coordinate and parameter.
-    let deviation = |k: usize, along: usize, target: f64| {
-        let slope = axes[k].derivative(along);
+    // max |∂x − target| of each coordinate.
+    let deviation = |along: usize| {
+        let target = DVec4::AXES[along];
+        let slopes = numerators.derivative(along);
         if !is_rational {
-            return slope.farthest_from(target * least) / least;
+            return slopes.farthest_from(target * least) / least;
         }
+        let weight_slope = weight.derivative(along);
         let Some(square) = &square else {
             // x_s − target = (X_s − target w − x w_s) / w, each term bounded by itself.
-            let off = slope.minus(&weight.clone().scaled_by(target)).farthest_from(0.0);
-            return (off + reach[k] * weight_slopes[along].farthest_from(0.0)) / least;
+            let reach =
+                patch.points.iter().map(|p| (numerator_of(p) / p.w).abs()).fold(DVec4::ZERO, DVec4::max);
+            let off = slopes.minus(weight.scaled_by(target)).farthest_from(DVec4::ZERO);
+            return (off + reach * weight_slope.farthest_from(0.0)) / least;
         };
-        let numerator = slope.times(&weight).minus(&axes[k].times(&weight_slopes[along]));
-        let off = if target == 0.0 { numerator } else { numerator.minus(&square.clone().scaled_by(target)) };
-        off.farthest_from(0.0) / (least * least)
+        let quotients = slopes.times(&weight).minus(numerators.times(&weight_slope));
+        quotients.minus(square.scaled_by(target)).farthest_from(DVec4::ZERO) / (least * least)
     };
-    [
-        deviation(0, 0, 1.0) + deviation(0, 1, 0.0),
-        deviation(1, 0, 0.0) + deviation(1, 1, 1.0),
-        (deviation(2, 0, 0.0) + deviation(2, 1, 0.0)) / shortest,
-    ]
+    let sum = deviation(0) + deviation(1);
+    [sum.x, sum.y, sum.z / shortest]
+}
+
+/// The least of a patch's weights, below which the weight never falls.
+fn least_weight(patch: &BezierPatch) -> f64 {
+    patch.points.iter().map(|p| p.w).fold(f64::INFINITY, f64::min)
 }
 
 /// A bound of `|S_ss| + 2 |S_st| + |S_tt|`.
@@ -323,27 +323,21 @@ fn deviations(patch: &BezierPatch, dual: &DMat3, shortest: f64) -> [f64; 3] {
 fn second_derivatives(patch: &BezierPatch) -> f64 {
     let pole = pole(patch);
     let about = pole.unwrap_or_else(|| bounds(patch).center());
-    let weight = Tensor::new(patch.degrees, patch.points.iter().map(|p| p.w).collect());
-    let axes = [0, 1, 2].map(|k| {
-        let of = |p: &glam::DVec4| (p.truncate() - about * p.w)[k];
-        Tensor::new(patch.degrees, patch.points.iter().map(of).collect())
-    });
-    let least = weight.least();
-    let size = |p: &glam::DVec4| {
+    // S times the weight, and the weight.
+    let numerator_of = |p: &DVec4| (p.truncate() - about * p.w).extend(p.w);
+    let numerators = Tensor::new(patch.degrees, patch.points.iter().map(numerator_of).collect());
+    let least = least_weight(patch);
+    let size = |p: &DVec4| {
         let distance = p.point().distance(about);
         if pole.is_some() { distance * (p.w / least) } else { distance }
     };
     let radius = patch.points.iter().map(size).fold(0.0, f64::max);
-    let slopes_of = |x: &Tensor| [0, 1].map(|along| x.derivative(along));
-    let (slopes, w_slopes) = (axes.each_ref().map(slopes_of), slopes_of(&weight));
-    let greatest = |x: &Tensor| x.farthest_from(0.0);
-    let norm = |f: &dyn Fn(&[Tensor; 2]) -> f64| slopes.iter().map(|x| f(x).powi(2)).sum::<f64>().sqrt();
-    let w_first = [0, 1].map(|along| greatest(&w_slopes[along]));
-    let first = [0, 1].map(|along| (norm(&|x| greatest(&x[along])) + w_first[along] * radius) / least);
+    let slopes = [0, 1].map(|along| numerators.derivative(along));
+    let greatest = slopes.clone().map(|slopes| slopes.farthest_from(DVec4::ZERO));
+    let first = greatest.map(|x| (x.truncate().length() + x.w * radius) / least);
     let second = |a: usize, b: usize| {
-        let x_ab = norm(&|x| greatest(&x[a].derivative(b)));
-        let w_ab = greatest(&w_slopes[a].derivative(b));
-        (x_ab + w_first[a] * first[b] + w_first[b] * first[a] + w_ab * radius) / least
+        let x = slopes[a].derivative(b).farthest_from(DVec4::ZERO);
+        (x.truncate().length() + greatest[a].w * first[b] + greatest[b].w * first[a] + x.w * radius) / least
     };
     second(0, 0) + 2.0 * second(0, 1) + second(1, 1)
 }
