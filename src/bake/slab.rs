@@ -6,7 +6,7 @@
 //! coefficients of the numerators `X_u w − X w_u` over `w²` (rational nets), so they hold everywhere, not only at samples.
 
 use super::narrow;
-use super::tensor::Tensor;
+use super::tensor::{Tensor, Value};
 use crate::geometry::{BezierPatch, Homogeneous};
 use crate::numeric::Aabb;
 use crate::scene::{NetLeaf, bend_byte, point_side};
@@ -287,6 +287,7 @@ fn deviations(patch: &BezierPatch, dual: &DMat3, shortest: f64) -> [f64; 3] {
     // α, β and γ times the weight.
     let numerator_of = |p: &DVec4| (*dual * (p.truncate() - middle * p.w)).extend(0.0);
     let numerators = Tensor::new(patch.degrees, patch.points.iter().map(numerator_of).collect());
+    let reach = || patch.points.iter().map(|p| numerator_of(p) / p.w).fold(DVec4::ZERO, Value::greatest);
     let square = has_products.then(|| weight.times(&weight));
     // max |∂x − target| of each coordinate.
     let deviation = |along: usize| {
@@ -298,10 +299,8 @@ fn deviations(patch: &BezierPatch, dual: &DMat3, shortest: f64) -> [f64; 3] {
         let weight_slope = weight.derivative(along);
         let Some(square) = &square else {
             // x_s − target = (X_s − target w − x w_s) / w, each term bounded by itself.
-            let reach =
-                patch.points.iter().map(|p| (numerator_of(p) / p.w).abs()).fold(DVec4::ZERO, DVec4::max);
             let off = slopes.minus(weight.scaled_by(target)).farthest_from(DVec4::ZERO);
-            return (off + reach * weight_slope.farthest_from(0.0)) / least;
+            return (off + reach() * weight_slope.farthest_from(0.0)) / least;
         };
         let quotients = slopes.times(&weight).minus(numerators.times(&weight_slope));
         quotients.minus(square.scaled_by(target)).farthest_from(DVec4::ZERO) / (least * least)

@@ -11,19 +11,21 @@ use std::ops::{AddAssign, Mul, Sub};
 pub(super) trait Value:
     Copy + Default + AddAssign + Sub<Output = Self> + Mul<f64, Output = Self>
 {
-    /// Of each coordinate the size, or that of `other` if it is greater.
+    /// Of each coordinate the size, or that of `other` unless it is smaller; not a number where either is none, so that no bound forgets it.
     fn greatest(self, other: Self) -> Self;
 }
 
 impl Value for f64 {
     fn greatest(self, other: Self) -> Self {
-        self.abs().max(other.abs())
+        let [own, other] = [self, other].map(f64::abs);
+        if own.is_nan() || other <= own { own } else { other }
     }
 }
 
 impl Value for DVec4 {
     fn greatest(self, other: Self) -> Self {
-        self.abs().max(other.abs())
+        let [own, other] = [self, other].map(Self::abs);
+        Self::select(own.is_nan_mask() | other.cmple(own), own, other)
     }
 }
 

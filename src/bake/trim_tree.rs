@@ -185,7 +185,7 @@ impl Builder<'_> {
         tidy(&content.cell, &mut content.pieces);
         if content.pieces.is_empty() {
             // Nothing changes from here on: all cells are alike.
-            let word = trim_word::pack(TrimWord::Uniform { inside: content.inside });
+            let word = self.leaf(&content);
             let [across, up] = [0, 1].map(|axis| index[axis] << left[axis]..(index[axis] + 1) << left[axis]);
             for row in up {
                 let first = HEADER_WORDS + (row << levels[0]);

@@ -4,6 +4,7 @@
 //! two pairs to a layer: `CryptoObject00.R G B A` and so on. The file's attributes tell the layer's name, the hash and a manifest of all names, so
 //! that Nuke, Blender and others can pick parts by name.
 
+use bytemuck::{Pod, Zeroable};
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -14,7 +15,8 @@ pub const RANKS: usize = 6;
 const LAYER: &str = "CryptoObject";
 
 /// How much of a pixel a part covers.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 pub struct Share {
     /// 1 + instance index; 0 where there is none.
     pub part: u32,

@@ -3,6 +3,7 @@
 use super::cryptomatte::{RANKS, Share};
 use super::huge_pages::filled;
 use super::picture::decode_srgb;
+use bytemuck::NoUninit;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -294,7 +295,7 @@ impl Film {
 }
 
 /// The array of a layer, or none.
-fn layer<T: Clone>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
+fn layer<T: NoUninit>(is_there: bool, value: T, pixels: usize) -> Vec<T> {
     if is_there { filled(value, pixels) } else { Vec::new() }
 }
 

@@ -4,11 +4,18 @@
 //! first time takes a microsecond or more until it is there and cleared, one of 2 MB a tenth of that for each of its bytes. Linux gives huge pages to those who
 //! ask for them, where it does not give them to all (`/sys/kernel/mm/transparent_hugepage/enabled`).
 
+use bytemuck::NoUninit;
+
 /// An array of `count` elements of `value`. What is 0 throughout is not touched before it is used.
-pub fn filled<T: Clone>(value: T, count: usize) -> Vec<T> {
-    let array = vec![value; count];
-    #[cfg(target_os = "linux")]
-    ask_for_huge_pages(&array);
+pub(crate) fn filled<T: NoUninit>(value: T, count: usize) -> Vec<T> {
+    if bytemuck::bytes_of(&value).iter().all(|&byte| byte == 0) {
+        let array = vec![value; count];
+        ask_for_huge_pages(&array);
+        return array;
+    }
+    let mut array = Vec::with_capacity(count);
+    ask_for_huge_pages(array.spare_capacity_mut());
+    array.resize(count, value);
     array
 }
 
@@ -23,6 +30,9 @@ fn ask_for_huge_pages<T>(array: &[T]) {
         unsafe { libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_HUGEPAGE) };
     }
 }
+
+#[cfg(not(target_os = "linux"))]
+fn ask_for_huge_pages<T>(_: &[T]) {}
 
 #[cfg(test)]
 mod tests {

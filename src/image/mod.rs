@@ -28,7 +28,7 @@ pub use diff::{ChannelDifference, ImageDifference, NotComparable, Numbers, diff}
 pub use exr::encode_exr;
 pub use files::{ImageError, make_folder_of, write as write_file};
 pub use film::{Film, Layers, Window};
-pub use huge_pages::filled;
+pub(crate) use huge_pages::filled;
 pub use lettering::label_share;
 pub use light_map::LightMap;
 pub use merge::{MergeError, merge_exr, merge_png};

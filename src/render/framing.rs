@@ -87,8 +87,7 @@ fn visible_points(scene: &Scene<'_>, section: &Section, camera: &Camera, aspect:
     let at = |i: usize, count: f64| (2 * i + 1) as f64 / count - 1.0;
     let rays: Vec<Ray> = (0..width as usize * height as usize)
         .into_par_iter()
-        .map(|i| (i % width as usize, i / width as usize))
-        .map(|(column, row)| camera.ray(at(column, width), at(row, height), aspect))
+        .map(|i| camera.ray(at(i % width as usize, width), at(i / width as usize, height), aspect))
         .collect();
     if section.is_empty() {
         let seen = rays.par_iter().zip(first_distances(scene, &rays));

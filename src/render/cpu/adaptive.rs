@@ -11,6 +11,7 @@
 //! A pixel depends on those around it, as far as [`MARGIN`]: a part of a picture is rendered with such a border, and is then to the bit what the whole picture
 //! has there.
 
+use super::bands::rows_per_band;
 use super::camera::center_in_picture;
 use super::curvature::{Place, curvature};
 use super::hit::surface_parameters;
@@ -26,7 +27,7 @@ use crate::render::{Camera, RenderOptions, Sampling};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
 use rayon::prelude::*;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// How far the light of three pixels in a row may bend, as the eye sees it: the centre's light is then within a twenty-fourth of it of the mean.
 const MOST_BEND: f32 = 4.0 / 255.0;
@@ -34,12 +35,11 @@ const MOST_BEND: f32 = 4.0 / 255.0;
 /// Pixels by which a surface may step towards the viewer unsampled.
 const MOST_STEP: f32 = 1.0;
 
-/// Rows of pixels whose centres one thread finds at a time, at most: as few as leave each thread some bands.
-const MOST_ROWS_PER_BAND: usize = 8;
-const BANDS_PER_THREAD: usize = 8;
+/// Rows of pixels whose centres one thread finds at a time.
+const ROWS_PER_BAND: RangeInclusive<usize> = 1..=8;
 
-/// Rows of pixels of which one thread finds out in a row whether they ask for samples.
-const ROWS_PER_BAND: usize = 16;
+/// Rows of pixels that one thread looks at, one after the other, for those that ask for samples.
+const ROWS_MARKED_TOGETHER: usize = 16;
 
 /// How often neighbours are followed: as far as a line is followed from where it is found.
 const MOST_ROUNDS: usize = 8;
@@ -103,7 +103,7 @@ impl<'a> Centers<'a> {
                 if center.instance != 0 {
                     band.put(scene, pixel, center, behind);
                 } else {
-                    // The system gives a page twice that is read before it is written.
+                    // `put_behind` reads these before it writes them: the system would give their pages twice.
                     band.color[pixel] = [0.0; 4];
                 }
             }
@@ -111,8 +111,7 @@ impl<'a> Centers<'a> {
     }
 
     fn pixels_per_band(&self) -> usize {
-        let bands = BANDS_PER_THREAD * rayon::current_num_threads();
-        self.film.width.max(1) * (self.film.height / bands).clamp(1, MOST_ROWS_PER_BAND)
+        self.film.width.max(1) * rows_per_band(self.film.height, ROWS_PER_BAND)
     }
 
     /// The pixels' places in bands.
@@ -383,17 +382,17 @@ fn marks(centers: &Centers<'_>, positions: &[[f32; 3]]) -> Vec<bool> {
     let width = film.width.max(1);
     let row_of = |y: usize| y * width..(y + 1) * width;
     let perceive = |y: usize| centers.lit[row_of(y)].iter().map(|&light| perceived(light)).collect();
-    is_asked.par_chunks_mut(width * ROWS_PER_BAND).enumerate().for_each(|(band, rows)| {
-        let top = band * ROWS_PER_BAND;
+    is_asked.par_chunks_mut(width * ROWS_MARKED_TOGETHER).enumerate().for_each(|(band, rows)| {
+        let top = band * ROWS_MARKED_TOGETHER;
+        let around = top.saturating_sub(1) * width..(top * width + rows.len() + width).min(film.part.len());
+        if film.part[around].iter().all(|&part| part == 0) {
+            return;
+        }
         let mut seen = [top.saturating_sub(1), top, (top + 1).min(film.height - 1)].map(perceive);
         for (y, row) in (top..).zip(rows.chunks_mut(width)) {
             if y > top {
                 seen.rotate_left(1);
                 seen[2] = perceive((y + 1).min(film.height - 1));
-            }
-            let around = y.saturating_sub(1) * width..((y + 2) * width).min(film.part.len());
-            if film.part[around].iter().all(|&part| part == 0) {
-                continue;
             }
             for (x, is_asked) in row.iter_mut().enumerate() {
                 *is_asked = is_marked(y * width + x, &seen);

@@ -11,6 +11,7 @@
 
 pub(super) mod adaptive;
 pub(super) mod analytic;
+mod bands;
 mod beam;
 pub(super) mod bernstein;
 mod beside;

@@ -5,12 +5,14 @@
 //! where a tile leaves it. Only pixels of one surface are averaged: those that face the same way and lie in each other's tangent plane.
 //! (Heitz et al. 2018 and others filter so; the sizes are those of the sequence.)
 
+use super::bands::rows_per_band;
 use super::packet::LANES;
 use super::vector::{Vector3, vec3};
 use crate::image::filled;
 use crate::numeric::{Eight, Mask, Mask8, Number};
 use rayon::prelude::*;
 use std::array::from_fn;
+use std::ops::RangeInclusive;
 
 /// Cosine of the angle between normals that belong together.
 const SAME_WAY: f32 = 0.9;
@@ -35,9 +37,8 @@ pub struct Surface<'a> {
     pub position: &'a [[f32; 3]],
 }
 
-/// Rows whose means one thread finds at a time, at most, and of how many bands each thread then has a choice. The more rows, the fewer are loaded twice.
-const MOST_ROWS_PER_BAND: usize = 64;
-const BANDS_PER_THREAD: usize = 8;
+/// Rows whose means one thread finds at a time. The more rows, the fewer are loaded twice.
+const ROWS_PER_BAND: RangeInclusive<usize> = 32..=64;
 
 /// Pixels that show nothing beside each row of a band, on both sides: at least as many as one mean reaches beyond its ends.
 const BESIDE: usize = 8;
@@ -54,9 +55,7 @@ fn places() -> ([[isize; 2]; APART * APART], [[isize; 2]; 9]) {
 pub fn smooth(surface: &Surface<'_>, open: &[f32]) -> Vec<f32> {
     let (near, far) = places();
     let width = surface.width.max(1);
-    let height = open.len() / width;
-    let rows_per_band =
-        (height / (BANDS_PER_THREAD * rayon::current_num_threads())).clamp(1, MOST_ROWS_PER_BAND);
+    let rows_per_band = rows_per_band(open.len() / width, ROWS_PER_BAND);
     let mut means = filled(0.0, open.len());
     let bands = means.par_chunks_mut(width * rows_per_band).enumerate();
     bands.for_each_init(Rows::default, |rows, (band, means)| {
@@ -112,16 +111,16 @@ impl Rows {
         }
     }
 
-    /// Replaces what is open by its means over the places at `offsets` from each pixel, itself among them: in the `count` rows and `beside` ones above and below,
-    /// of those around which all places are there.
+    /// Replaces what is open by its means over the places at `offsets` from each pixel, itself among them: in the `count` rows and as many as `around` above and
+    /// below, of those around which all places are there. Other rows are of no account from then on.
     fn mean_over<const PLACES: usize>(
         &mut self,
         offsets: &[[isize; 2]; PLACES],
-        beside: usize,
+        around: usize,
         count: usize,
     ) {
         let steps = offsets.map(|[dx, dy]| dy * self.stride as isize + dx);
-        for row in REACH - beside..REACH + count + beside {
+        for row in REACH - around..REACH + count + around {
             let first = row * self.stride + BESIDE;
             for at in (first..first + self.stride - 2 * BESIDE).step_by(LANES) {
                 let mean = self.mean(at, steps.map(|step| at.wrapping_add_signed(step)));
@@ -200,10 +199,17 @@ mod tests {
         }
     }
 
-    /// Bumps and steps over some pixels, some of which show nothing; the picture is no multiple of a vector wide, nor of a band high.
+    /// Bumps and steps over some pixels, some of which show nothing; pictures are no multiple of a vector wide, nor of a band high, and have fewer pixels than
+    /// a mean reaches.
     #[test]
     fn means_are_those_pixel_by_pixel() {
-        let (width, height) = (45, 39);
+        let sizes = [(45, 139), (1, 1), (7, 3), (8, 1), (9, 70)];
+        let weighed: usize = sizes.into_iter().map(|(width, height)| compare(width, height)).sum();
+        assert!(weighed > 2500, "{weighed}");
+    }
+
+    /// How many means of a picture are other than the pixels' own values, on any number of threads.
+    fn compare(width: usize, height: usize) -> usize {
         let mut random = Random(1);
         let mut next = || random.unit() as f32;
         let (mut normal, mut position, mut open) = (Vec::new(), Vec::new(), Vec::new());
@@ -241,9 +247,10 @@ mod tests {
         };
         let (near, far) = places();
         let expected = mean_over(&mean_over(&mean_over(&open, &near), &far), &far);
-        let means = smooth(&surface, &open);
-        let weighed = means.iter().zip(&open).filter(|(mean, open)| mean != open).count();
-        assert!(weighed > 500, "{weighed}");
-        assert_eq!(means, expected);
+        for threads in [1, 2, 16] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert_eq!(pool.install(|| smooth(&surface, &open)), expected, "{width} {height} {threads}");
+        }
+        expected.iter().zip(&open).filter(|(mean, open)| mean != open).count()
     }
 }

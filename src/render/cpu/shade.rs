@@ -126,11 +126,11 @@ pub(super) fn seen_light(
     SkyLight { dark: light(0.0), lit: light(1.0) }
 }
 
-/// What does not depend on the sky that a surface sees: for the key and the fill light how much the coat gleams, and how much metal mirrors. Once for the two lights
-/// of a centre; powers cost a GPU less, and its text has none of this.
+/// What does not depend on the sky that a surface sees: for the key and the fill light how much the coat gleams, and how much metal mirrors, if it is metal. Once for
+/// what it is without any sky and under all of it; powers cost a GPU less, and its text has none of this.
 struct Highlights {
     gleam: [f32; 2],
-    mirror: [f32; 2],
+    mirror: Option<[f32; 2]>,
 }
 
 fn highlights(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, material: &Material) -> Highlights {
@@ -138,10 +138,9 @@ fn highlights(lights: &Lights, n: Vector3<f32>, view: Vector3<f32>, material: &M
     // However smooth the surface, the lights are as wide as they are.
     let width = gloss / (1.0 + gloss / METAL_BOX);
     let both = [lights.key, lights.fill];
-    let is_metal = material.metallic > 0.0;
     Highlights {
         gleam: both.map(|light| specular(n, view, light, gloss)),
-        mirror: both.map(|light| if is_metal { lobe(n, view, light, width) } else { 0.0 }),
+        mirror: (material.metallic > 0.0).then(|| both.map(|light| lobe(n, view, light, width))),
     }
 }
 
@@ -164,8 +163,7 @@ fn shade_surface(
     let grazing = (1.0 - facing) * (1.0 - facing);
     let rim = grazing * grazing * (1.0 - facing) * open;
     let gleam = highlights.gleam[0] * soft + 0.25 * highlights.gleam[1] * soft;
-    let mirrored =
-        if material.metallic > 0.0 { mirrored(lights, n, view, highlights.mirror, open) } else { [0.0; 3] };
+    let mirrored = highlights.mirror.map_or([0.0; 3], |mirror| mirrored(lights, n, view, mirror, open));
     let mut out = [0.0; 3];
     for k in 0..3 {
         let ambient = (AMBIENT_DOWN[k] + (AMBIENT_UP[k] - AMBIENT_DOWN[k]) * sky) * AMBIENT_WEIGHT * open;
