@@ -30,6 +30,7 @@ mod isolate;
 mod lanes;
 mod leaf;
 pub(super) mod light;
+mod marks;
 mod net;
 mod newton;
 mod occlusion;
