@@ -20,7 +20,7 @@ use super::occlusion::{REACH, Surface, smooth};
 use super::pixels::{
     BESIDE_ALL, BESIDE_LEFT, CAP, Center, Neighbour, Refined, SEE_THROUGH, Sampled, perceived,
 };
-use super::shade::hit_material;
+use super::shade::{SkyLight, hit_material};
 use super::shade_rays::is_other;
 use crate::image::{Film, RANKS, Share, Window, filled};
 use crate::render::{Camera, RenderOptions, Sampling};
@@ -312,9 +312,9 @@ fn add_sky(centers: &mut Centers<'_>) {
     let part = &film.part;
     film.color.par_iter_mut().enumerate().filter(|&(pixel, _)| part[pixel] != 0).for_each(
         |(pixel, color)| {
-            for k in 0..3 {
-                color[k] += (lit[pixel][k] - color[k]) * open[pixel];
-            }
+            let [r, g, b, coverage] = *color;
+            let [r, g, b] = SkyLight { dark: [r, g, b], lit: lit[pixel] }.at(open[pixel]);
+            *color = [r, g, b, coverage];
         },
     );
 }
